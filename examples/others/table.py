@@ -37,7 +37,8 @@ ROWS = [
      {"0.04": "scipy_bar.py unit-left-end Radau 25 1e-6 1e-8", "0.02": "scipy_bar.py unit-left-end Radau 50 1e-6 1e-8"}),
     ("Octave, ode15s", "shaken-stop", "octave-shaken-stop", {"0.05": "octave_bar.m 20 1", "0.025": "octave_bar.m 40 1"}),
 ]
-HEAD = ("scheme", "scene", "step", "u_left", "ours", "order", "reaction_left", "ours", "contacts", "missed", "made up")
+HEAD = ("scheme", "scene", "step", "u_left", "ours", "order", "reaction_left", "ours", "order", "contacts", "latest",
+        "missed", "made up", "untold")
 
 
 def command(scene, name, steps):
@@ -49,6 +50,17 @@ def share(value, size):
     return "rounding" if value < 1e-9 * size else f"{value / size:.3g}"
 
 
+def power(column):
+    return "" if column["order"] is None else f"{column['order']:.2f}"
+
+
+def latest(judged):
+    """The largest delay of a contact, where samples tell one."""
+    delays = [contact["delay"] for contact in judged["contacts"] if contact["delay"] is not None]
+    most = max(delays, key=abs, default=0.0)
+    return f"{most:.3g}" if abs(most) > 1.001 * judged["sample"] else ""
+
+
 def table():
     for scheme, scene, name, steps in ROWS:
         with tempfile.TemporaryDirectory() as out:
@@ -57,10 +69,9 @@ def table():
         for step, judged in zip(steps, json.loads(told)["judged"]):
             u, force = judged["columns"]["u_left"], judged["columns"]["reaction_left"]
             yield (scheme, scene, step, share(u["largest"], u["size"]), share(u["own_error"], u["size"]),
-                   "" if u["order"] is None else f"{u['order']:.2f}",
-                   share(force["root_mean_square"], force["size"]), share(force["own_error"], force["size"]),
-                   str(sum(contact["begin"] is not None for contact in judged["contacts"])), str(judged["missed"]),
-                   str(judged["made_up"]))
+                   power(u), share(force["root_mean_square"], force["size"]), share(force["own_error"], force["size"]),
+                   power(force), str(sum(contact["begin"] is not None for contact in judged["contacts"])),
+                   latest(judged), str(judged["missed"]), str(judged["made_up"]), str(judged["untold"]))
 
 
 def same(page, told):
@@ -74,7 +85,7 @@ def same(page, told):
             continue
         own = told[k] if head == "ours" else told[k + 1] if head in ("u_left", "reaction_left") else "0"
         allowed = 2.0 * float(own) if own not in ("rounding", "") else 0.0
-        allowed += 0.01 * abs(b) if head in ("u_left", "reaction_left") else 0.05 if head == "order" else 0.0
+        allowed += 0.01 * abs(b) if head in ("u_left", "reaction_left", "latest") else 0.05 if head == "order" else 0.0
         if abs(a - b) > allowed:
             return False
     return True

@@ -277,12 +277,12 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
 }
 
 /// Output of `viscobar compare --with`, and its page.
-py::tuple judge_files(const std::string& text, const std::vector<std::string>& files) {
+py::tuple judge_files(const std::string& text, const std::vector<std::vector<std::string>>& schemes) {
   Faults faults;
   std::atomic<bool> stop{false};
   std::string json, page;
   hearing_signals(faults, stop, [&] {
-    PreparedJudgement prepared = prepared_judgement(files, parse_scene_with(text, "scene", of_the_bar_itself()));
+    PreparedJudgement prepared = prepared_judgement(schemes, parse_scene_with(text, "scene", of_the_bar_itself()));
     prepared.study.stop = [&] { return stop.load(); };
     const JudgeResult judgement = judge(prepared.study);
     json = judge_json(prepared, judgement);

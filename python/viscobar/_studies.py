@@ -338,6 +338,8 @@ def _measured(data: Any, file: str, command: str = "fit") -> str:
         return ""
     if isinstance(data, (str, os.PathLike)):
         return os.fspath(data)
+    if isinstance(data, np.ndarray):  # .events of a result
+        data = {name: data[name] for name in data.dtype.names}
     for name, values in data.items():
         if np.iscomplexobj(values):
             raise ValueError(f"{command}: {name} has complex numbers")
@@ -395,27 +397,41 @@ def fit(
 
 class Judgement(Table):
     """What viscobar.judge() returns: a row for each quantity of each solution, with label, quantity, largest, at,
-    root_mean_square, size, own_error, told_apart and order.
+    root_mean_square, mean, size, own_error, own_mean, told_apart, order and order_of.
 
     missed, made_up  contacts of the bar that the solutions have not, and theirs that the bar has not
+    untold           contacts of which samples cannot tell
+    contacts         Table of all, with label, where, verdict, begin, end, their_begin, their_end, delay, longer, parts, own_error
     summary          as `viscobar compare --with --json`
     """
 
+    def _count(self, name: str) -> int:
+        return sum(one[name] for one in self.summary["judged"])
+
     @property
     def missed(self) -> int:
-        return sum(one["missed"] for one in self.summary["judged"])
+        return self._count("missed")
 
     @property
     def made_up(self) -> int:
-        return sum(one["made_up"] for one in self.summary["judged"])
+        return self._count("made_up")
+
+    @property
+    def untold(self) -> int:
+        return self._count("untold")
+
+    @property
+    def contacts(self) -> Table:
+        return Table([{"label": one["label"], **contact} for one in self.summary["judged"] for contact in one["contacts"]])
 
 
 def judge(
     scene: SceneLike,
     t: Sequence[float] | None = None,
     *,
-    files: Sequence[str | os.PathLike[str]] = (),
+    files: Sequence[str | os.PathLike[str] | Sequence[str | os.PathLike[str]]] = (),
     columns: Mapping[str, Sequence[float]] | None = None,
+    events: Mapping[str, Any] | str | os.PathLike[str] | None = None,
     set: Mapping[str, Any] | None = None,
     **traces: Sequence[float],
 ) -> Judgement:
@@ -424,20 +440,26 @@ def judge(
     t        times of the solution, in [0, time.end]
     traces   columns of ends.csv, such as u_left=..., NaN where there is none
     columns  others, such as {"u@0.25": ...} for the place x = 0.25
-    files    CSV files with such columns in place of arrays, "FILE" or "FILE=STEP": several with steps show an order
+    events   its contact changes, "t", "where" and "change", as `.events` of a result; or a file; also alone
+    files    CSV files with such columns in place of arrays, "FILE" or "FILE=STEP": several with steps show an order; a
+             list of lists for several schemes, each with an order of its own
     set      values in place of the scene's, as in viscobar.run()
 
     What the scene says of mesh, method, epsilon and tolerances is left out: they are chosen so that our own error is a
     tenth of each difference, as far as a minute allows. The scene must have formulas, not Python functions.
     """
-    names = [os.fspath(file) for file in files]
     data = {**traces, **(columns or {})}
-    if (t is None) != (not data) or not (names or data):
-        raise TypeError("judge: wants t and columns such as u_left, or files")
+    if (t is None) != (not data) or not (files or data or events is not None):
+        raise TypeError("judge: wants t and columns such as u_left, events, or files")
+    flat = all(isinstance(file, (str, os.PathLike)) for file in files)
+    schemes = [[os.fspath(file) for file in group] for group in ([files] if flat else files)]
     with tempfile.TemporaryDirectory() as directory:
-        if t is not None:
-            names.append(_measured({"t": t, **data}, os.path.join(directory, "solution.csv"), "judge"))
-        printed, page = _core.judge(Scene.toml(as_scene(scene, None, set)), names)
+        own = [
+            _measured({"t": t, **data} if data else None, os.path.join(directory, "solution.csv"), "judge"),
+            _measured(events, os.path.join(directory, "events.csv"), "judge"),
+        ]
+        schemes.append([file for file in own if file])
+        printed, page = _core.judge(Scene.toml(as_scene(scene, None, set)), schemes)
     summary = json.loads(printed)
     rows = [
         {"label": one["label"], "quantity": quantity, **told}

@@ -32,7 +32,9 @@ int judge_solutions(const CompareOptions& asked) {
     refuse("--methods: solutions of others (--with) are held against the bar itself, by no method of choice");
   SceneOptions scene = asked.scene;
   scene.takes_accuracy = true;
-  PreparedJudgement prepared = prepared_judgement(asked.with, scene.read(of_the_bar_itself()));
+  std::vector<std::vector<std::string>> schemes;
+  for (const std::string& files : asked.with) schemes.push_back(CLI::detail::split(files, ','));
+  PreparedJudgement prepared = prepared_judgement(schemes, scene.read(of_the_bar_itself()));
   prepared.study.threads = asked.threads;
   const Study study(asked, prepared.scene, ResultKind::judge);
   const JudgeResult judgement = judge(prepared.study);
@@ -69,10 +71,10 @@ Action compare_command(CLI::App& command) {
   add_list(command, "--methods", "NAME,NAME...", asked->methods,
            "The methods, the first one the reference (default: all that fit the scene, characteristics or else "
            "exponential the reference where it does)");
-  add_list(
+  add_repeatable(
       command, "--with", "FILE[=STEP],...", asked->with,
-      "Solutions by others, CSV files with columns of ends.csv and gauges.csv, beside the bar's own motion; with the "
-      "steps of their scheme their order is told");
+      "Solutions by another's scheme, CSV files with columns of ends.csv, gauges.csv or events.csv, beside the bar's own "
+      "motion; with the steps of the scheme its order is told (repeatable, for each scheme)");
   add_threads(command, asked->threads);
   return [asked] { return asked->with.empty() ? compare_methods(*asked) : judge_solutions(*asked); };
 }

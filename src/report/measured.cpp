@@ -4,11 +4,48 @@
 
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
+#include "input/described_scene.hpp"
 #include "scene/unit_names.hpp"
+#include "text/number.hpp"
+#include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
+namespace {
+
+Event change_of(const std::string& file, double t, const std::string& where, const std::string& change) {
+  Event event;
+  event.time = t;
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(fmt::format("{}: at t = {}: {}", file, t, what));
+  };
+  if (where == "left" || where == "right") {
+    event.where = where == "left" ? Where::left : Where::right;
+  } else if (where.starts_with("span:")) {
+    event.where = Where::span;
+    const auto node = number_in<std::size_t>(std::string_view(where).substr(5));
+    if (!node) refuse(fmt::format("where is \"{}\", and no number of a node is behind span:", where));
+    event.node = *node;
+  } else {
+    refuse(fmt::format("where is \"{}\", not left, right or span:NODE", where));
+  }
+  if (change != "closing" && change != "opening")
+    refuse(fmt::format("change is \"{}\", not closing or opening", change));
+  event.change = change == "closing" ? Change::closing : Change::opening;
+  return event;
+}
+
+std::string unit_of(TraceColumn column, const Units& units) {
+  constexpr std::optional<Dimension> dimensions[] = {
+      Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
+      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress};
+  const auto dimension = dimensions[static_cast<std::size_t>(column)];
+  return dimension ? unit_name(units, *dimension) : "";
+}
+
+// Values in the unit of the scene, where both have one.
 void convert(TraceFile& table, TraceFile::Column& column, const std::string& unit, const std::string& file) {
   if (column.unit.empty() || unit.empty()) return;
   const auto ratio = unit_ratio(column.unit, unit);
@@ -17,6 +54,16 @@ void convert(TraceFile& table, TraceFile::Column& column, const std::string& uni
                                             file, column.name, column.unit, unit));
   for (double& value : column.values) value *= *ratio;
   if (*ratio != 1.0) table.understood += fmt::format("; {} converted to {}", column.name, unit);
+}
+
+}  // namespace
+
+std::vector<Event> changes_in(const TraceFile& table, const std::string& file) {
+  std::vector<Event> changes;
+  for (std::size_t k = 0; k < table.rows; ++k)
+    changes.push_back(change_of(file, table.column("t")->values[k], table.column("where")->cells[k],
+                                table.column("change")->cells[k]));
+  return changes;
 }
 
 std::vector<std::string> names_of_traces() {
@@ -31,9 +78,13 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   TraceFile table = read_traces(file, known, required, words);
   TraceFile::Column& t = *table.column("t");
   convert(table, t, scene.run.scene.units.time, file);
+  for (TraceFile::Column& column : table.columns)
+    if (const auto trace = trace_column(column.name))
+      convert(table, column, unit_of(trace->first, scene.run.scene.units), file);
   constexpr double far = 100.0;
   const double last = t.values.back(), end = scene.run.end;
-  if (last > far * end || (last > 0.0 && far * last < end))
+  // The last contact may be early.
+  if (last > far * end || (last > 0.0 && far * last < end && !table.column("where")))
     throw std::invalid_argument(
         fmt::format("{}: the last time is {:.6g}{}, and the scene ends at {:.6g}: are they in different units, such as "
                     "milliseconds and seconds? If they are not, say --set time.end={:.6g}",
@@ -41,12 +92,12 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   return table;
 }
 
-std::string unit_of(TraceColumn column, const Units& units) {
-  constexpr std::optional<Dimension> dimensions[] = {
-      Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
-      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress};
-  const auto dimension = dimensions[static_cast<std::size_t>(column)];
-  return dimension ? unit_name(units, *dimension) : "";
+std::string study_json(Json json, const std::vector<std::string>& warnings, const SceneFile& scene) {
+  json["warnings"] = warnings;
+  json["scene"] = complete(scene);
+  json["version"] = versions().viscobar;
+  json["platform"] = versions().platform;
+  return json_text(json);
 }
 
 }  // namespace viscobar

@@ -133,5 +133,37 @@ TEST_F(Gauges, AreHeldAgainstTheBarItself) {
   EXPECT_EQ(viscobar("compare mode.toml --with out/ends.csv=x -o no").code, 2);
 }
 
+// Contact changes belong to the file before them; each --with has an order of its own.
+TEST_F(Gauges, ContactChangesOfOthersAreJudgedAndSchemesAreKeptApart) {
+  const std::string scene =
+      "mode.toml --set left.kind=free --set right.kind=obstacle --set right.gap=0.1 "
+      "--set initial.displacement=0 --set initial.velocity=-1";
+  ASSERT_EQ(viscobar("run " + scene + " -q -o a").code, 0);
+  ASSERT_EQ(viscobar("run " + scene + " -q -o b --set bar.viscosity=0.2").code, 0);
+  const auto json = viscobar("compare " + scene +
+                             " --with a/ends.csv=0.1,a/events.csv,b/ends.csv=0.05 --with b/ends.csv=0.01 --with "
+                             "a/events.csv --json -o judged")
+                        .json();
+  ASSERT_EQ(json["judged"].size(), 4u);
+  EXPECT_EQ(json["judged"][0]["sample"], 0.0);  // its contacts are those of a/events.csv
+  EXPECT_TRUE(json["judged"][2]["columns"]["u_right"]["order"].is_null());
+  EXPECT_EQ(json["judged"][2]["columns"]["v_right"]["order_of"], "mean");
+  for (const std::size_t s : {std::size_t{0}, std::size_t{3}}) {
+    const auto& contact = json["judged"][s]["contacts"].at(0);
+    EXPECT_EQ(contact["verdict"], "found");
+    EXPECT_NEAR(contact["delay"].get<double>(), 0.0, 1e-4);  // on 40 elements
+  }
+  const auto refused = [&](const std::string& with) {
+    const auto ended = viscobar("compare " + scene + " -o no --with " + with);
+    EXPECT_EQ(ended.code, 2) << with;
+    return ended.error;
+  };
+  EXPECT_NE(refused("a/ends.csv,a/events.csv=0.1").find("have the step of the file before"), std::string::npos);
+  std::ofstream(directory_ / "both.csv") << "t,u_left,where\n0,0,left\n";
+  EXPECT_NE(refused("both.csv").find("in a file of their own"), std::string::npos);
+  std::ofstream(directory_ / "left.csv") << "t,where,change\n0.5,left,closing\n";
+  EXPECT_NE(refused("left.csv").find("at the left end, where the scene has no obstacle"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace viscobar

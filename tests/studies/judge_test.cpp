@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -80,8 +81,8 @@ TEST(Judge, TellsDistancesAndOrderOfAScheme) {
     EXPECT_NEAR(left.largest, largest, *left.own_error);
     EXPECT_TRUE(left.told_apart());
     EXPECT_LE(*left.own_error, 0.1 * left.largest);
-    EXPECT_EQ(judgement.solutions[s].missed, 0u);
-    EXPECT_EQ(judgement.solutions[s].made_up, 0u);
+    EXPECT_EQ(judgement.solutions[s].count(ContactVerdict::missed), 0u);
+    EXPECT_EQ(judgement.solutions[s].count(ContactVerdict::made_up), 0u);
     ASSERT_EQ(judgement.solutions[s].contacts.size(), 1u);
     const JudgedContact& contact = judgement.solutions[s].contacts[0];
     const double late = 0.02 + 0.5 * std::array{0.02, 0.01, 0.005}[s];  // a sample, and half a step of the scheme
@@ -99,10 +100,10 @@ TEST(Judge, TellsContactsThatAreMissedOrMadeUp) {
   blind.columns.erase(blind.columns.begin());
   seeing.columns[2].values[seeing.times.size() - 20] = 0.7;
   const JudgeResult judgement = judge(study_of({blind, seeing}));
-  EXPECT_EQ(judgement.solutions[0].missed, 1u);
-  EXPECT_EQ(judgement.solutions[0].made_up, 0u);
-  EXPECT_EQ(judgement.solutions[1].missed, 0u);
-  EXPECT_EQ(judgement.solutions[1].made_up, 1u);
+  EXPECT_EQ(judgement.solutions[0].count(ContactVerdict::missed), 1u);
+  EXPECT_EQ(judgement.solutions[0].count(ContactVerdict::made_up), 0u);
+  EXPECT_EQ(judgement.solutions[1].count(ContactVerdict::missed), 0u);
+  EXPECT_EQ(judgement.solutions[1].count(ContactVerdict::made_up), 1u);
 }
 
 // The force on a viscous bar that touches at t = 0 has no limit there, and would be all of our own error. A row without
@@ -172,6 +173,136 @@ TEST(Judge, SaysWhatIsWrongWithASolution) {
   EXPECT_NE(refused({"a", two, {{"u@1.5", two}}, {}}).find("not on the bar"), std::string::npos);
   EXPECT_NE(refused({"a", {1.0, 1.0}, {{"u_left", two}}, {}}).find("twice"), std::string::npos);
   EXPECT_NE(refused({"a", two, {}, {}}).find("no column"), std::string::npos);
+}
+
+// A short elastic bar, thrown at an obstacle: in contact from 0.1 to 0.3 with u = -0.1 and R = 1 there (R = rho c v for
+// the time 2 L / c), then it flies off as it came.
+JudgeStudy bouncing(std::vector<TheirSolution> solutions) {
+  JudgeStudy study = study_of(std::move(solutions));
+  study.scene.scene.bar = {0.1, 1.0, 1.0, 0.0};
+  study.scene.method = MethodName::characteristics;
+  study.scene.end = 1.0;
+  return study;
+}
+
+double u_of_bouncing(double t) { return t < 0.1 ? -t : t < 0.3 ? -0.1 : t - 0.4; }
+
+// That bar, by a scheme that is late.
+TheirSolution late_by(double delay, std::size_t samples = 1000) {
+  TheirSolution theirs{"late", {}, {{"u_left", {}}, {"reaction_left", {}}}, {}};
+  for (std::size_t k = 0; k < samples; ++k) {
+    const double t = (static_cast<double>(k) + 0.5) / static_cast<double>(samples), at = t - delay;
+    theirs.times.push_back(t);
+    theirs.columns[0].values.push_back(u_of_bouncing(at));
+    theirs.columns[1].values.push_back(at > 0.1 && at < 0.3 ? 1.0 : 0.0);
+  }
+  return theirs;
+}
+
+TEST(Judge, ALateContactIsOneContact) {
+  const JudgeResult judgement = judge(bouncing({late_by(0.4), late_by(-0.05)}));
+  for (std::size_t s = 0; s < 2; ++s) {
+    const std::vector<JudgedContact>& contacts = judgement.solutions[s].contacts;
+    ASSERT_EQ(contacts.size(), 1u);
+    EXPECT_EQ(contacts[0].verdict, ContactVerdict::found);
+    EXPECT_NEAR(contacts[0].begin.value(), 0.1, 1e-12);
+    EXPECT_NEAR(contacts[0].delay().value(), s == 0 ? 0.4 : -0.05, 0.001);
+    EXPECT_NEAR(contacts[0].longer().value(), 0.0, 0.002);
+  }
+}
+
+// R of a scheme that is late by one step differs by 1 for twice that step: a mean of order 1, a largest of order 0.
+// What another scheme has is no coarser solution of this one.
+TEST(Judge, TellsTheOrderOfWhatJumpsByItsMeanAndOfEachSchemeAlone) {
+  std::vector<TheirSolution> solutions = {late_by(0.04), late_by(0.02), late_by(0.01)};
+  for (std::size_t s = 0; s < 3; ++s) solutions[s].step = std::array{0.04, 0.02, 0.01}[s];
+  solutions.push_back(late_by(0.005));
+  solutions.back().step = 0.005;
+  solutions.back().scheme = 1;
+  const JudgeResult judgement = judge(bouncing(solutions));
+  for (const std::size_t s : {std::size_t{1}, std::size_t{2}}) {
+    const JudgedColumn& reaction = judgement.solutions[s].columns[1];
+    EXPECT_NEAR(reaction.largest, 1.0, 1e-12);
+    EXPECT_NEAR(reaction.mean, 2.0 * *solutions[s].step / 0.999, 1e-9);  // between the first sample and the last
+    EXPECT_NEAR(reaction.order.value(), 1.0, 1e-6);
+    EXPECT_NEAR(judgement.solutions[s].columns[0].order.value(), 1.0, 1e-6);
+  }
+  EXPECT_FALSE(judgement.solutions[3].columns[0].order);
+}
+
+// Eight samples lie in the contact. Chatter may hide between them, while the end stays near the obstacle: at a speed of
+// 1 it moves 0.025 from one to the next.
+TEST(Judge, SaysWhereSamplesCannotTell) {
+  TheirSolution chatters = late_by(0.0, 40), passes = chatters, blind = late_by(0.0, 200), parted = late_by(0.0);
+  for (TheirSolution* one : {&chatters, &passes, &blind})
+    for (double& reaction : one->columns[1].values) reaction = 0.0;
+  for (double& u : passes.columns[0].values) u += 0.05;
+  for (std::size_t k = 150; k < 160; ++k) parted.columns[1].values[k] = 0.0;
+  const JudgeResult judgement = judge(bouncing({chatters, passes, blind, parted}));
+  EXPECT_EQ(judgement.solutions[0].contacts.at(0).verdict, ContactVerdict::untold);
+  EXPECT_EQ(judgement.solutions[1].contacts.at(0).verdict, ContactVerdict::missed);
+  EXPECT_EQ(judgement.solutions[2].contacts.at(0).verdict, ContactVerdict::missed);  // in none of 40
+  ASSERT_EQ(judgement.solutions[3].contacts.size(), 1u);
+  EXPECT_EQ(judgement.solutions[3].contacts[0].their_parts, 2u);
+  EXPECT_EQ(judgement.solutions[3].contacts[0].parts, 1u);
+}
+
+Event change_at(double t, Change change, Where where = Where::left, std::size_t node = 0) {
+  Event event;
+  event.time = t, event.change = change, event.where = where, event.node = node;
+  return event;
+}
+
+TEST(Judge, TakesContactChangesInPlaceOfSamples) {
+  TheirSolution all{"changes", {}, {}, {}}, none = all, more = all;
+  all.changes = {change_at(0.2, Change::closing), change_at(0.45, Change::opening)};
+  none.changes.emplace();
+  more.changes = {change_at(0.1, Change::closing), change_at(0.3, Change::opening), change_at(0.7, Change::closing)};
+  const JudgeResult judgement = judge(bouncing({all, none, more}));
+  const JudgedContact& found = judgement.solutions[0].contacts.at(0);
+  EXPECT_NEAR(found.delay().value(), 0.1, 1e-12);
+  EXPECT_NEAR(found.longer().value(), 0.05, 1e-12);
+  EXPECT_EQ(judgement.solutions[1].count(ContactVerdict::missed), 1u);
+  EXPECT_EQ(judgement.solutions[2].count(ContactVerdict::made_up), 1u);
+  EXPECT_NEAR(judgement.solutions[2].contacts.at(0).delay().value(), 0.0, 1e-12);
+  all.changes->front().where = Where::span;
+  EXPECT_THROW(judge(bouncing({all})), std::invalid_argument);
+}
+
+// A bar that falls flat on a span and stays there: u = -t until 0.1.
+TEST(Judge, SeesContactsAlongASpanAtAPlaceAndByChanges) {
+  TheirSolution at_a_place{"place", {}, {{"u@0.4", {}}}, {}}, by_changes{"changes", {}, {}, {}};
+  for (std::size_t k = 0; k <= 200; ++k) {
+    at_a_place.times.push_back(0.005 * static_cast<double>(k));
+    at_a_place.columns[0].values.push_back(-std::clamp(at_a_place.times.back() - 0.3, 0.0, 0.1));
+  }
+  by_changes.changes = {
+      change_at(0.15, Change::closing, Where::span, 7), change_at(0.2, Change::closing, Where::span, 8),
+      change_at(0.5, Change::opening, Where::span, 7), change_at(0.7, Change::opening, Where::span, 8)};
+  JudgeStudy study = study_of({at_a_place, by_changes});
+  study.scene.scene.left = Free{};
+  study.scene.scene.span = Obstacle{0.1};
+  study.scene.method = MethodName::fully_discrete;
+  study.scene.end = 1.0;
+  const JudgeResult judgement = judge(study);
+  const JudgedContact &place = judgement.solutions[0].contacts.at(0), &anywhere = judgement.solutions[1].contacts.at(0);
+  EXPECT_EQ(place.place.value(), 0.4);
+  EXPECT_NEAR(place.delay().value(), 0.3, 0.01);
+  EXPECT_FALSE(anywhere.place);
+  EXPECT_NEAR(anywhere.delay().value(), 0.05, 0.005);  // a step of ours
+  EXPECT_EQ(anywhere.their_end.value(), 0.7);
+}
+
+// In flight as a whole, 10 % too fast: 0.21 / 2 of bar, mass and nothing else.
+TEST(Judge, CountsTheMassOnAnEnd) {
+  TheirSolution theirs{"fast", {0.0, 0.02, 0.04}, {}, {}};
+  for (const char* place : {"_left", "_right", "@0.5"}) {
+    theirs.columns.push_back({std::string("u") + place, {0.0, -0.02, -0.04}});
+    theirs.columns.push_back({std::string("v") + place, {-1.1, -1.1, -1.1}});
+  }
+  JudgeStudy study = study_of({theirs});
+  study.scene.scene.left_input.mass = 3.0;
+  EXPECT_NEAR(judge(study).solutions[0].energy_drift.value(), 0.5 * 0.21 * (1.0 + 3.0), 1e-9);
 }
 
 }  // namespace

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "input/described_scene.hpp"
+#include "report/measured.hpp"
 #include "report/page.hpp"
-#include "results/json.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"
-#include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
@@ -164,11 +163,7 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
     for (std::size_t k = 0; k < n; ++k) shares[study.parameters[k].key] = lack.shares[k];
     json["undetermined"].push_back({{"singular_value", lack.singular_value}, {"shares", shares}});
   }
-  json["warnings"] = remarks(study, result);
-  json["scene"] = complete(scene);
-  json["version"] = versions().viscobar;
-  json["platform"] = versions().platform;
-  return json_text(json);
+  return study_json(std::move(json), remarks(study, result), scene);
 }
 
 std::string fit_text(const FitStudy& study, const FitResult& result) {

@@ -67,17 +67,16 @@ void doubt(FitStudy& study, const TraceFile& table) {
 
 void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
   const std::vector<std::string> known = names_of_traces();
-  TraceFile table = read_measured(scene, file, known, {"t"});
+  const TraceFile table = read_measured(scene, file, known, {"t"});
   doubt(study, table);
   study.times = table.column("t")->values;
-  for (TraceFile::Column& found : table.columns) {
+  for (const TraceFile::Column& found : table.columns) {
     if (found.name == "t") continue;
     const auto column = trace_column(found.name);
     const double length = scene.run.scene.bar.length;
     if (!column || !(column->second >= 0.0 && column->second <= length))
       throw std::invalid_argument(
           fmt::format("{}: {} is no place of the bar, 0 <= x <= {}, as in u@0.25", file, found.name, length));
-    convert(table, found, unit_of(column->first, scene.run.scene.units), file);
     if (std::ranges::none_of(found.values, [](double value) { return std::isfinite(value); }))
       throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found.name));
     study.traces.push_back({column->first, found.values, 1.0, false, column->second});
@@ -89,35 +88,11 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file)
                                             fmt::join(known.begin() + 1, known.end(), ", ")));
 }
 
-Event change_of(const std::string& file, double t, const std::string& where, const std::string& change) {
-  Event event;
-  event.time = t;
-  const auto refuse = [&](const std::string& what) {
-    throw std::invalid_argument(fmt::format("{}: at t = {}: {}", file, t, what));
-  };
-  if (where == "left" || where == "right") {
-    event.where = where == "left" ? Where::left : Where::right;
-  } else if (where.starts_with("span:")) {
-    event.where = Where::span;
-    const auto node = number_in<std::size_t>(std::string_view(where).substr(5));
-    if (!node) refuse(fmt::format("where is \"{}\", and no number of a node is behind span:", where));
-    event.node = *node;
-  } else {
-    refuse(fmt::format("where is \"{}\", not left, right or span:NODE", where));
-  }
-  if (change != "closing" && change != "opening")
-    refuse(fmt::format("change is \"{}\", not closing or opening", change));
-  event.change = change == "closing" ? Change::closing : Change::opening;
-  return event;
-}
-
 void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {
   const TraceFile table =
       read_measured(scene, file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
   doubt(study, table);
-  for (std::size_t k = 0; k < table.rows; ++k)
-    study.changes.push_back(change_of(file, table.column("t")->values[k], table.column("where")->cells[k],
-                                      table.column("change")->cells[k]));
+  study.changes = changes_in(table, file);
   study.understood.push_back(table.understood);
 }
 

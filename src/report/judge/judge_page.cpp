@@ -2,48 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "input/described_scene.hpp"
 #include "report/judge/judge_request.hpp"
+#include "report/measured.hpp"
 #include "report/page.hpp"
 #include "results/csv.hpp"
-#include "results/json.hpp"
 #include "text/number.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"
-#include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
 namespace {
 
 constexpr std::size_t most_contacts = 30;
+constexpr double more_than = 1.0 + 1e-6;  // of samples whose times are rounded
 
 // Files by their names, without the folders that all of them are in.
 JudgeStudy with_short_labels(JudgeStudy study) {
-  const std::string first = study.solutions.front().label;
-  std::size_t shared = first.rfind('/') + 1;
+  std::string shared = study.solutions.front().label;
   for (const TheirSolution& theirs : study.solutions)
-    while (theirs.label.compare(0, shared, first, 0, shared) != 0)
-      shared = shared < 2 ? 0 : first.rfind('/', shared - 2) + 1;
-  for (TheirSolution& theirs : study.solutions) theirs.label.erase(0, shared);
+    shared.erase(std::ranges::mismatch(shared, theirs.label).in1, shared.end());
+  for (TheirSolution& theirs : study.solutions) theirs.label.erase(0, shared.rfind('/') + 1);
   return study;
 }
 
+// A difference, or the most it can be where our own error explains it.
+std::string told(double difference, const std::optional<double>& own, NumberText number) {
+  return !own || difference > 2.0 * *own || *own == 0.0 ? number(difference) : "at most " + number(difference + *own);
+}
+
 Table distances(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
-  Table table{{"solution", "quantity", "largest difference", "at t", "root mean square", "of the largest value",
-               "our own error", "order"},
+  Table table{{"solution", "quantity", "largest difference", "at t", "of the largest value", "our own error", "mean",
+               "our own", "order"},
               2,
               {}};
+  const auto own = [number](const std::optional<double>& error) { return error ? number(*error) : "not known"; };
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
     for (const JudgedColumn& column : judgement.solutions[s].columns)
       table.rows.push_back(
-          {study.solutions[s].label, column.name,
-           column.told_apart() ? number(column.largest) : "at most " + number(column.largest + *column.own_error),
-           number(column.at, 5), number(column.root_mean_square),
+          {study.solutions[s].label, column.name, told(column.largest, column.own_error, number), number(column.at, 5),
            column.size > 10.0 * column.own_error.value_or(0.0) ? number(column.largest / column.size) : "",
-           column.own_error ? number(*column.own_error) : "not known",
+           own(column.own_error), told(column.mean, column.own_mean, number), own(column.own_mean),
            column.order ? fmt::format("{:.2f}", *column.order) : ""});
   return table;
 }
@@ -52,42 +54,77 @@ std::string interval(const std::optional<double>& begin, const std::optional<dou
   return begin && end ? fmt::format("{} to {}", number(*begin, 6), number(*end, 6)) : "none";
 }
 
+std::string place_of(const JudgedContact& contact) {
+  return std::string(name(contact.where)) + (contact.place ? fmt::format("@{}", *contact.place) : "");
+}
+
+// What is to be said of a contact: its verdict, or by how much theirs is late or longer, if samples can tell.
+std::string said(const JudgedContact& contact, double sample, NumberText number) {
+  if (contact.verdict != ContactVerdict::found) return std::string(name(contact.verdict));
+  std::string words;
+  const auto add = [&](double by, double told, const char* more, const char* less) {
+    if (std::abs(by) > std::max(told, 2.0 * contact.own_error.value_or(0.0)))
+      words += fmt::format("{}{} by {}", words.empty() ? "" : ", ", by > 0.0 ? more : less, number(std::abs(by)));
+  };
+  add(*contact.delay(), more_than * sample, "late", "early");
+  add(*contact.longer(), 2.0 * more_than * sample, "longer", "shorter");
+  if (contact.parts != contact.their_parts)
+    words +=
+        fmt::format("{}in {} parts, the bar's in {}", words.empty() ? "" : ", ", contact.their_parts, contact.parts);
+  return words;
+}
+
 Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
-  Table table{{"solution", "where", "the bar's contact", "theirs, to a sample", ""}, 5, {}};
+  Table table{{"solution", "where", "the bar's contact", "our own error", "theirs", ""}, 6, {}};
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
     for (const JudgedContact& contact : judgement.solutions[s].contacts)
-      table.rows.push_back({study.solutions[s].label, std::string(name(contact.where)),
-                            interval(contact.begin, contact.end, number),
+      table.rows.push_back({study.solutions[s].label, place_of(contact), interval(contact.begin, contact.end, number),
+                            contact.own_error ? number(*contact.own_error) : "",
                             interval(contact.their_begin, contact.their_end, number),
-                            !contact.begin         ? "made up"
-                            : !contact.their_begin ? "missed"
-                                                   : ""});
+                            said(contact, judgement.solutions[s].sample, number)});
   if (table.rows.size() > most_contacts) {
     std::ranges::stable_partition(table.rows, [](const auto& row) { return !row.back().empty(); });
     const std::size_t left_out = table.rows.size() - most_contacts;
     table.rows.resize(most_contacts);
-    table.rows.push_back({fmt::format("and {} more", left_out), "", "", "", ""});
+    table.rows.push_back({fmt::format("and {} more", left_out), "", "", "", "", ""});
   }
   return table;
 }
 
 std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
   std::vector<std::string> all;
+  bool ordered = false;
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
     const JudgedSolution& judged = judgement.solutions[s];
     const std::string& label = study.solutions[s].label;
-    const auto of = [](std::size_t count) { return fmt::format("{} contact{}", count, count == 1 ? "" : "s"); };
-    if (judged.missed > 0) all.push_back(fmt::format("{} misses {} of the bar", label, of(judged.missed)));
-    if (judged.made_up > 0) all.push_back(fmt::format("{} has {} that the bar has not", label, of(judged.made_up)));
+    const auto tell = [&](ContactVerdict verdict, const char* words) {
+      if (const std::size_t count = judged.count(verdict))
+        all.push_back(fmt::format(fmt::runtime(words), label, count, count == 1 ? "" : "s"));
+    };
+    tell(ContactVerdict::missed, "{} misses {} contact{} of the bar");
+    tell(ContactVerdict::made_up, "{} has {} contact{} that the bar has not");
+    tell(ContactVerdict::untold,
+         "{}: {} contact{} cannot be told: they fit between two samples, behind the last one, or into our own error");
+    double most = 0.0;
+    for (const JudgedContact& contact : judged.contacts)
+      if (const double delay = contact.delay().value_or(0.0); std::abs(delay) > std::abs(most)) most = delay;
+    if (std::abs(most) > more_than * judged.sample)
+      all.push_back(fmt::format("{}: its contacts come up to {} {}", label, number(std::abs(most)),
+                                most > 0.0 ? "late" : "early"));
     if (judged.energy_drift)
       all.push_back(fmt::format(
           "{}: its energy at the places with u and v is off by {} at most{}", label, number(*judged.energy_drift),
           judged.energy_share ? fmt::format(", {} of the bar's largest", number(*judged.energy_share)) : ""));
-    for (const JudgedColumn& column : judged.columns)
+    for (const JudgedColumn& column : judged.columns) {
+      ordered = ordered || column.order;
       if (!column.told_apart())
         all.push_back(fmt::format("{}: {} cannot be told from the bar's: our own error is {}", label, column.name,
-                                  number(*column.own_error)));
+                                  number(*column.own_distance())));
+    }
   }
+  if (ordered)
+    all.emplace_back(
+        "The order is that of the largest difference of displacements, and of the mean of all else, which jumps");
   const Case& run = judgement.run;
   all.push_back(
       fmt::format("Ours is by {} on {} elements; its displacements are right to {}; no better one was made, for {}",
@@ -126,20 +163,19 @@ Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
     }
     const plot::Axis t = plot::fitted("t", times.low, times.high);
     plot::Figure both(t, range.axis(name)), difference(t, of_rest.axis("difference"), 160.0);
-    const auto& finest = std::ranges::max(all, {}, [](const Curve& curve) { return curve.ours.size(); });
-    both.line(finest.ours, {plot::series_colour(0)}, "the bar");
-    difference.level(0.0, {"var(--soft)", true, 1.0});
     for (std::size_t k = 0; k < all.size(); ++k) {
       both.markers(all[k].theirs, plot::series_colour(k + 1), all[k].label);
       difference.line(all[k].difference, {plot::series_colour(k + 1)}, all[k].label);
     }
+    // Above their markers, which may be many.
+    const auto& finest = std::ranges::max(all, {}, [](const Curve& curve) { return curve.ours.size(); });
+    both.line(finest.ours, {"var(--ink)"}, "the bar");
+    difference.level(0.0, {"var(--soft)", true, 1.0});
     picture.panels.push_back({"judged-" + name, name + ": theirs and the bar's", both});
     picture.panels.push_back({"difference-" + name, name + ": theirs less the bar's", difference});
   }
   return picture;
 }
-
-Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 }  // namespace
 
@@ -150,27 +186,38 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
     const JudgedSolution& judged = judgement.solutions[s];
     Json one = {{"label", asked.study.solutions[s].label},
-                {"step", number_or_null(asked.study.solutions[s].step)},
+                {"step", asked.study.solutions[s].step},
                 {"columns", Json::object()}};
     for (const JudgedColumn& column : judged.columns)
       one["columns"][column.name] = {{"largest", column.largest},
                                      {"at", column.at},
                                      {"root_mean_square", column.root_mean_square},
+                                     {"mean", column.mean},
                                      {"size", column.size},
-                                     {"own_error", number_or_null(column.own_error)},
+                                     {"own_error", column.own_error},
+                                     {"own_mean", column.own_mean},
                                      {"told_apart", column.told_apart()},
-                                     {"order", number_or_null(column.order)}};
+                                     {"order", column.order},
+                                     {"order_of", column.jumps() ? "mean" : "largest"}};
     one["contacts"] = Json::array();
     for (const JudgedContact& contact : judged.contacts)
-      one["contacts"].push_back({{"where", name(contact.where)},
-                                 {"begin", number_or_null(contact.begin)},
-                                 {"end", number_or_null(contact.end)},
-                                 {"their_begin", number_or_null(contact.their_begin)},
-                                 {"their_end", number_or_null(contact.their_end)}});
-    one["missed"] = judged.missed;
-    one["made_up"] = judged.made_up;
-    one["energy_drift"] = number_or_null(judged.energy_drift);
-    one["energy_share"] = number_or_null(judged.energy_share);
+      one["contacts"].push_back({{"where", place_of(contact)},
+                                 {"verdict", name(contact.verdict)},
+                                 {"begin", contact.begin},
+                                 {"end", contact.end},
+                                 {"their_begin", contact.their_begin},
+                                 {"their_end", contact.their_end},
+                                 {"delay", contact.delay()},
+                                 {"longer", contact.longer()},
+                                 {"parts", contact.parts},
+                                 {"their_parts", contact.their_parts},
+                                 {"own_error", contact.own_error}});
+    one["sample"] = judged.sample;
+    one["missed"] = judged.count(ContactVerdict::missed);
+    one["made_up"] = judged.count(ContactVerdict::made_up);
+    one["untold"] = judged.count(ContactVerdict::untold);
+    one["energy_drift"] = judged.energy_drift;
+    one["energy_share"] = judged.energy_share;
     json["judged"].push_back(std::move(one));
   }
   const Case& run = judgement.run;
@@ -182,11 +229,7 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
                   {"runs", judgement.runs},
                   {"reason", judgement.reason}};
   json["data"] = asked.understood;
-  json["warnings"] = asked.doubts;
-  json["scene"] = complete(asked.scene);
-  json["version"] = versions().viscobar;
-  json["platform"] = versions().platform;
-  return json_text(json);
+  return study_json(std::move(json), asked.doubts, asked.scene);
 }
 
 std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
@@ -206,7 +249,7 @@ PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judge
   const JudgeStudy study = with_short_labels(asked.study);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
   page.add_head(notes_html(sentences(study, judgement, readable_number)));
-  page.add_head(html(distances(study, judgement, readable_number)));
+  page.add_section("Distances", html(distances(study, judgement, readable_number)));
   const Table table = contacts(study, judgement, readable_number);
   if (!table.rows.empty()) page.add_section("Contacts", html(table));
   page.add(curves(study, judgement));

@@ -10,7 +10,6 @@
 
 #include "input/scene_keys.hpp"
 #include "report/measured.hpp"
-#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -38,27 +37,37 @@ std::vector<Setting> of_the_bar_itself() {
   return settings;
 }
 
-PreparedJudgement prepared_judgement(const std::vector<std::string>& files, SceneFile scene) {
+PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>& schemes, SceneFile scene) {
   PreparedJudgement prepared{std::move(scene), {}, {}, {}};
   JudgeStudy& study = prepared.study;
   study.scene = prepared.scene.run;
   study.request = *prepared.scene.accuracy;
-  for (const std::string& text : files) {
-    const auto [file, step] = file_and_step(text);
-    TraceFile table = read_measured(prepared.scene, file, names_of_traces(), {"t"});
-    TheirSolution& theirs = study.solutions.emplace_back();
-    theirs.label = file;
-    theirs.step = step;
-    theirs.times = table.column("t")->values;
-    for (TraceFile::Column& column : table.columns) {
-      if (column.name == "t") continue;
-      if (const auto known = trace_column(column.name))
-        convert(table, column, unit_of(known->first, prepared.scene.run.scene.units), file);
-      theirs.columns.push_back({column.name, column.values});
+  std::vector<std::string> names = names_of_traces();
+  names.insert(names.end(), {"where", "change"});
+  for (std::size_t scheme = 0; scheme < schemes.size(); ++scheme)
+    for (const std::string& text : schemes[scheme]) {
+      const auto [file, step] = file_and_step(text);
+      const TraceFile table = read_measured(prepared.scene, file, names, {"t"}, {"where", "change"});
+      prepared.understood.push_back(table.understood);
+      prepared.doubts.insert(prepared.doubts.end(), table.doubts.begin(), table.doubts.end());
+      std::vector<TheirSolution>& all = study.solutions;
+      const bool where = table.column("where"), change = table.column("change"), tells_changes = where || change;
+      if (tells_changes && !(where && change && table.columns.size() == 3))
+        throw std::invalid_argument(
+            file + ": has some columns of events.csv: contact changes are t, where and change, in a file of their own");
+      if (!tells_changes || all.empty() || all.back().scheme != scheme || all.back().changes)
+        all.push_back({file, {}, {}, step, {}, scheme});
+      else if (step)
+        throw std::invalid_argument("--with: contact changes have the step of the file before them: " + text);
+      TheirSolution& theirs = all.back();
+      if (tells_changes) {
+        theirs.changes = changes_in(table, file);
+        continue;
+      }
+      theirs.times = table.column("t")->values;
+      for (const TraceFile::Column& column : table.columns)
+        if (column.name != "t") theirs.columns.push_back({column.name, column.values});
     }
-    prepared.understood.push_back(table.understood);
-    prepared.doubts.insert(prepared.doubts.end(), table.doubts.begin(), table.doubts.end());
-  }
   return prepared;
 }
 

@@ -20,9 +20,11 @@ struct PreparedJudgement {
 /// Settings that leave to us what a scene says of its own solution: method, mesh, epsilon, step and tolerances.
 std::vector<Setting> of_the_bar_itself();
 
-/// Reads files of the form of ends.csv and gauges.csv, each "FILE" or "FILE=STEP" with the step of their scheme.
+/// Reads the files of each scheme, of the form of ends.csv and gauges.csv, each "FILE" or "FILE=STEP" with its step.
+/// One of the form of events.csv has the contact changes of the file before it; at the beginning it is a solution
+/// itself.
 /// @throws SceneError, std::invalid_argument
-PreparedJudgement prepared_judgement(const std::vector<std::string>& files, SceneFile scene);
+PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>& schemes, SceneFile scene);
 
 struct PicturedPage;
 /// The output of `viscobar compare --with` as JSON.

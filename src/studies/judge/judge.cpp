@@ -10,8 +10,8 @@
 
 #include "studies/accuracy/runs.hpp"
 #include "studies/column_reader.hpp"
+#include "studies/judge/contacts.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
-#include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
 namespace viscobar {
@@ -20,6 +20,7 @@ namespace {
 
 constexpr double smallest_request = 1e-10;  // of the largest value
 constexpr double better = 10.0;             // from one of our solutions to the next, and than theirs
+constexpr double file_digits = 1e-6;        // of the largest value, that a file may not have
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -61,123 +62,76 @@ Motion motion_of(const Case& run, std::span<const double> times, std::span<const
   return motion;
 }
 
-// Times in contact at an end, flights shorter than `merge` left out.
-std::vector<ContactPeriod> periods_of(const Motion& motion, Where where, double end, double merge) {
-  Recording recording;
-  recording.times = {0.0, end};
-  recording.events = motion.events;
-  std::vector<ContactPeriod> periods = contact_periods(recording, merge);
-  std::erase_if(periods, [where](const ContactPeriod& period) { return period.where != where; });
-  return periods;
+std::vector<double> at_times(const std::vector<double>& values, const std::vector<std::size_t>& rows) {
+  std::vector<double> some;
+  for (const std::size_t row : rows) some.push_back(values[row]);
+  return some;
 }
 
-// The same of samples: where there is a reaction, or else where the end is at its obstacle, to `touch`.
-std::vector<ContactPeriod> periods_of(const TheirSolution& theirs, const Scene& scene, Where where, double touch) {
-  const bool left = where == Where::left;
-  const Obstacle& obstacle = std::get<Obstacle>(left ? scene.left : scene.right);
-  const EndInput& input = left ? scene.left_input : scene.right_input;
-  const auto* reaction = theirs.column(left ? "reaction_left" : "reaction_right");
-  const auto* u = theirs.column(left ? "u_left" : "u_right");
-  std::vector<ContactPeriod> periods;
-  if (!reaction && (!u || input.motion)) return periods;
-  double largest = 0.0;
-  if (reaction)
-    for (const double value : reaction->values)
-      if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  bool closed = false;
-  for (std::size_t k = 0; k < theirs.times.size(); ++k) {
-    const double value = reaction ? reaction->values[k] : u->values[k];
-    if (!std::isfinite(value)) continue;
-    const bool now = reaction ? std::abs(value) > 1e-9 * largest : obstacle.depth(value) >= -touch;
-    if (now && !closed) periods.push_back({where, 0, theirs.times[k], theirs.times[k]});
-    if (now) periods.back().end = theirs.times[k];
-    closed = now;
+// How large a difference is over some times, those left out at which it is not finite.
+struct Distance {
+  double largest = 0.0, at = 0.0, root_mean_square = 0.0, mean = 0.0;
+  std::size_t count = 0;
+};
+
+Distance distance_over(const std::vector<double>& times, auto&& difference) {
+  Distance all;
+  double squares = 0.0, integral = 0.0, first = 0.0, last = 0.0, before = 0.0;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const double size = std::abs(difference(k));
+    if (!std::isfinite(size)) continue;
+    if (all.count++ == 0)
+      first = times[k];
+    else
+      integral += 0.5 * (before + size) * (times[k] - last);
+    squares += size * size;
+    if (size > all.largest) all.largest = size, all.at = times[k];
+    last = times[k], before = size;
   }
-  return periods;
+  if (all.count == 0) return all;
+  all.root_mean_square = std::sqrt(squares / static_cast<double>(all.count));
+  all.mean = last > first ? integral / (last - first) : before;
+  return all;
 }
 
-double spacing_of(const std::vector<double>& times) {
-  return times.size() < 2 ? 0.0 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-}
-
-void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const Motion& ours, const Case& run,
-                    double touch) {
-  const double sample = spacing_of(theirs.times);
-  for (const Where where : {Where::left, Where::right}) {
-    if (!is_obstacle(where == Where::left ? run.scene.left : run.scene.right)) continue;
-    const bool left = where == Where::left;
-    const EndInput& input = left ? run.scene.left_input : run.scene.right_input;
-    if (!theirs.column(left ? "reaction_left" : "reaction_right") &&
-        (!theirs.column(left ? "u_left" : "u_right") || input.motion))
-      continue;
-    const std::vector<ContactPeriod> own = periods_of(ours, where, theirs.times.back(), 2.0 * sample);
-    const std::vector<ContactPeriod> other = periods_of(theirs, run.scene, where, touch);
-    std::vector<bool> met(other.size(), false);
-    for (const ContactPeriod& period : own) {
-      JudgedContact contact{where, period.begin, period.end, {}, {}};
-      for (std::size_t k = 0; k < other.size(); ++k) {
-        if (other[k].end < period.begin - sample || other[k].begin > period.end + sample) continue;
-        met[k] = true;
-        contact.their_begin = std::min(contact.their_begin.value_or(other[k].begin), other[k].begin);
-        contact.their_end = std::max(contact.their_end.value_or(other[k].end), other[k].end);
-      }
-      if (!contact.their_begin && period.end - period.begin > sample) ++judged.missed;
-      judged.contacts.push_back(contact);
-    }
-    for (std::size_t k = 0; k < other.size(); ++k) {
-      if (met[k]) continue;
-      ++judged.made_up;
-      judged.contacts.push_back({where, {}, {}, other[k].begin, other[k].end});
-    }
-  }
-  std::ranges::stable_sort(judged.contacts, {},
-                           [](const JudgedContact& one) { return one.begin.value_or(*one.their_begin); });
-}
-
-// Kinetic and elastic energy of the P1 function through some places.
-double energy_at(const Bar& bar, const std::vector<double>& x, const auto& u, const auto& v) {
-  double energy = 0.0;
-  for (std::size_t k = 0; k + 1 < x.size(); ++k) {
-    const double h = x[k + 1] - x[k], slope = (u(k + 1) - u(k)) / h;
-    energy += 0.5 * bar.density * h / 3.0 * (v(k) * v(k) + v(k) * v(k + 1) + v(k + 1) * v(k + 1));
-    energy += 0.5 * bar.modulus * h * slope * slope;
-  }
-  return energy;
-}
-
-void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Bar& bar) {
+void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Scene& scene) {
   struct Place {
     double x;
     const JudgedColumn *u, *v;
   };
+  const Bar& bar = scene.bar;
   std::vector<Place> places;
-  const auto find = [&](const std::string& name) -> const JudgedColumn* {
-    const auto found = std::ranges::find(judged.columns, name, &JudgedColumn::name);
-    return found == judged.columns.end() ? nullptr : &*found;
-  };
   for (const JudgedColumn& column : judged.columns) {
     const auto [of, place] = column_of(column.name, bar.length);
-    if (!column.name.starts_with("u")) continue;
-    const JudgedColumn* v = find("v" + column.name.substr(1));
     const double x = of == TraceColumn::u_right ? bar.length : place;
-    if (v && std::ranges::find(places, x, &Place::x) == places.end()) places.push_back({x, &column, v});
+    const auto v = std::ranges::find(judged.columns, "v" + column.name.substr(1), &JudgedColumn::name);
+    if (!column.jumps() && v != judged.columns.end() && std::ranges::find(places, x, &Place::x) == places.end())
+      places.push_back({x, &column, &*v});
   }
   if (places.size() < 3) return;
   std::ranges::sort(places, {}, &Place::x);
-  std::vector<double> x;
-  for (const Place& place : places) x.push_back(place.x);
+  // Kinetic and elastic energy of the P1 function through the places, and of what is on the ends among them.
+  const auto energy_at = [&](std::size_t k, auto whose) {
+    const auto u = [&](const Place& place) { return (place.u->*whose)[k]; };
+    const auto v = [&](const Place& place) { return (place.v->*whose)[k]; };
+    double energy = 0.0;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const Place &one = places[i - 1], &other = places[i];
+      const double h = other.x - one.x;
+      energy += bar.density * h / 6.0 * (v(one) * v(one) + v(one) * v(other) + v(other) * v(other)) +
+                0.5 * bar.modulus / h * (u(other) - u(one)) * (u(other) - u(one));
+    }
+    for (const Place& place : places)
+      for (const auto& [x, input] : {std::pair(0.0, &scene.left_input), std::pair(bar.length, &scene.right_input)})
+        if (place.x == x) energy += 0.5 * (input->mass * v(place) * v(place) + input->stiffness * u(place) * u(place));
+    return energy;
+  };
   double largest = 0.0;
   judged.energy_drift = 0.0;
   for (std::size_t k = 0; k < theirs.times.size(); ++k) {
-    const auto value = [&](auto of, auto whose) {
-      return [&, of, whose, k](std::size_t i) { return ((*(places[i].*of)).*whose)[k]; };
-    };
-    const double ours = energy_at(bar, x, value(&Place::u, &JudgedColumn::ours), value(&Place::v, &JudgedColumn::ours));
-    const double other =
-        energy_at(bar, x, value(&Place::u, &JudgedColumn::theirs), value(&Place::v, &JudgedColumn::theirs));
+    const double ours = energy_at(k, &JudgedColumn::ours), drift = energy_at(k, &JudgedColumn::theirs) - ours;
     largest = std::max(largest, ours);
-    if (const double drift = other - ours; std::isfinite(drift) && std::abs(drift) > std::abs(*judged.energy_drift))
-      judged.energy_drift = drift;
+    if (std::isfinite(drift) && std::abs(drift) > std::abs(*judged.energy_drift)) judged.energy_drift = drift;
   }
   if (largest > 0.0) judged.energy_share = *judged.energy_drift / largest;
 }
@@ -186,34 +140,46 @@ void check(const JudgeStudy& study) {
   if (study.solutions.empty()) throw std::invalid_argument("there is no solution to judge");
   for (const TheirSolution& theirs : study.solutions) {
     const auto refuse = [&](const std::string& why) { throw std::invalid_argument(theirs.label + ": " + why); };
-    if (theirs.columns.empty()) refuse("has no column but the time");
-    if (theirs.times.size() < 2) refuse("has fewer than two times");
-    if (!std::ranges::is_sorted(theirs.times, std::less_equal<>())) refuse("has a time twice");
+    const Scene& scene = study.scene.scene;
     const double rounding = 1e-9 * study.scene.end;
-    if (!(theirs.times.front() >= -rounding && theirs.times.back() <= study.scene.end + rounding))
-      refuse(fmt::format("has times from {} to {}, and the scene ends at {}", theirs.times.front(), theirs.times.back(),
-                         study.scene.end));
+    const auto check_times = [&](double first, double last) {
+      if (!(first >= -rounding && last <= study.scene.end + rounding))
+        refuse(fmt::format("has times from {} to {}, and the scene ends at {}", first, last, study.scene.end));
+    };
+    if (theirs.columns.empty() && !theirs.changes) refuse("has no column but the time");
+    if (theirs.times.size() < 2 && !theirs.columns.empty()) refuse("has fewer than two times");
+    if (!std::ranges::is_sorted(theirs.times, std::less_equal<>())) refuse("has a time twice");
+    if (!theirs.times.empty()) check_times(theirs.times.front(), theirs.times.back());
+    if (theirs.changes && !theirs.changes->empty())
+      check_times(theirs.changes->front().time, theirs.changes->back().time);
+    constexpr const char* places[] = {"at the left end", "at the right end", "along the span"};
+    const bool obstacles[] = {is_obstacle(scene.left), is_obstacle(scene.right), scene.span.has_value()};
+    for (const Event& event : theirs.changes.value_or(std::vector<Event>()))
+      if (const auto at = static_cast<std::size_t>(event.where); !obstacles[at])
+        refuse(fmt::format("has contact changes {}, where the scene has no obstacle", places[at]));
     if (theirs.step && !(*theirs.step > 0.0)) refuse("has a step that is not positive");
     for (const auto& column : theirs.columns)
       if (column.values.size() != theirs.times.size()) refuse(column.name + " has not a value for each time");
   }
 }
 
-// Powers of the step, of solutions with steps, from each to the next finer one.
+// Powers of the step, of solutions of a scheme with steps, from each to the next finer one.
 void find_orders(const JudgeStudy& study, JudgeResult& judgement) {
   std::vector<std::size_t> order;
   for (std::size_t s = 0; s < study.solutions.size(); ++s)
     if (study.solutions[s].step) order.push_back(s);
-  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t s) { return *study.solutions[s].step; });
+  std::ranges::stable_sort(
+      order, {}, [&](std::size_t s) { return std::pair(study.solutions[s].scheme, -*study.solutions[s].step); });
   for (std::size_t k = 1; k < order.size(); ++k) {
-    const double ratio = *study.solutions[order[k - 1]].step / *study.solutions[order[k]].step;
-    if (!(ratio > 1.0)) continue;
+    const TheirSolution &coarse = study.solutions[order[k - 1]], &fine = study.solutions[order[k]];
+    const double ratio = *coarse.step / *fine.step;
+    if (coarse.scheme != fine.scheme || !(ratio > 1.0)) continue;
     for (JudgedColumn& column : judgement.solutions[order[k]].columns) {
       const auto& before = judgement.solutions[order[k - 1]].columns;
       const auto coarser = std::ranges::find(before, column.name, &JudgedColumn::name);
-      if (coarser == before.end() || !coarser->told_apart() || !column.told_apart() || !(column.largest > 0.0))
+      if (coarser == before.end() || !coarser->told_apart() || !column.told_apart() || !(column.distance() > 0.0))
         continue;
-      column.order = std::log(coarser->largest / column.largest) / std::log(ratio);
+      column.order = std::log(coarser->distance() / column.distance()) / std::log(ratio);
     }
   }
 }
@@ -225,13 +191,24 @@ const TheirSolution::Column* TheirSolution::column(const std::string& name) cons
   return found == columns.end() ? nullptr : &*found;
 }
 
+std::string_view name(ContactVerdict verdict) {
+  constexpr std::string_view names[] = {"found", "missed", "made up", "cannot be told"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+std::size_t JudgedSolution::count(ContactVerdict verdict) const {
+  return static_cast<std::size_t>(std::ranges::count(contacts, verdict, &JudgedContact::verdict));
+}
+
 JudgeResult judge(const JudgeStudy& study) {
   check(study);
   const auto started = std::chrono::steady_clock::now();
   const double length = study.scene.scene.bar.length;
-  std::vector<Column> columns;  // of all solutions, one behind the other
+  // Of all solutions, one behind the other, behind the ends, which contacts need.
+  std::vector<Column> columns = {{TraceColumn::u_left, 0.0}, {TraceColumn::u_right, 0.0}};
   std::vector<double> times = {0.0};
   for (const TheirSolution& theirs : study.solutions) {
+    if (theirs.times.empty()) times.push_back(study.scene.end);
     for (const auto& column : theirs.columns) columns.push_back(column_of(column.name, length));
     for (const double t : theirs.times) times.push_back(std::clamp(t, 0.0, study.scene.end));
   }
@@ -291,7 +268,7 @@ JudgeResult judge(const JudgeStudy& study) {
     judgement.estimate = solved.estimate;
     judgement.solutions.clear();
     bool settled = coarser.has_value();
-    std::size_t at = 0;
+    std::size_t at = 2;
     for (std::size_t s = 0; s < study.solutions.size(); ++s) {
       const TheirSolution& theirs = study.solutions[s];
       JudgedSolution& judged = judgement.solutions.emplace_back();
@@ -299,32 +276,39 @@ JudgeResult judge(const JudgeStudy& study) {
         JudgedColumn& one = judged.columns.emplace_back();
         one.name = column.name;
         one.theirs = column.values;
-        double sum = 0.0, own_error = 0.0;
-        std::size_t count = 0;
-        for (std::size_t k = 0; k < theirs.times.size(); ++k) {
-          const double ours = motion.columns[at][rows[s][k]], difference = column.values[k] - ours;
-          one.ours.push_back(ours);
-          if (!std::isfinite(difference)) continue;
-          one.size = std::max(one.size, std::abs(ours));
-          if (coarser) own_error = std::max(own_error, std::abs(coarser->columns[at][rows[s][k]] - ours));
-          sum += difference * difference;
-          ++count;
-          if (std::abs(difference) > one.largest) one.largest = std::abs(difference), one.at = theirs.times[k];
-        }
-        if (count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
-        one.root_mean_square = std::sqrt(sum / static_cast<double>(count));
+        one.ours = at_times(motion.columns[at], rows[s]);
+        const auto difference = [&](std::size_t k) { return one.theirs[k] - one.ours[k]; };
+        const Distance distance = distance_over(theirs.times, difference);
+        if (distance.count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
+        one.largest = distance.largest, one.at = distance.at;
+        one.root_mean_square = distance.root_mean_square, one.mean = distance.mean;
+        Distance own_distance;
+        if (coarser)
+          own_distance = distance_over(theirs.times, [&](std::size_t k) {
+            return std::isfinite(difference(k)) ? coarser->columns[at][rows[s][k]] - one.ours[k] : difference(k);
+          });
+        for (std::size_t k = 0; k < theirs.times.size(); ++k)
+          if (std::isfinite(difference(k))) one.size = std::max(one.size, std::abs(one.ours[k]));
         // Exact solutions of an elastic bar are one: their difference shows no error.
-        const double share = column.name.starts_with("u") ? 1.0 : one.size / solved.estimate.largest;
-        if (solved.estimate.largest > 0.0) own_error = std::max(own_error, share * solved.estimate.total);
-        if (coarser || column.name.starts_with("u")) one.own_error = own_error;
+        const double share = one.jumps() ? one.size / solved.estimate.largest : 1.0;
+        const double least = solved.estimate.largest > 0.0 ? share * solved.estimate.total : 0.0;
+        if (coarser || !one.jumps()) {
+          one.own_error = std::max(own_distance.largest, least);
+          one.own_mean = std::max(own_distance.mean, least);
+        }
         // The force on a viscous bar at its touch has no limit. An error of ours that does not fall is not waited for.
-        settled = settled && (own_error * better <= one.largest || 2.0 * own_error > errors_before[at]);
-        if (coarser) errors_before[at] = own_error;
+        const double own_now = one.own_distance().value_or(0.0);
+        settled = settled && (own_now * better <= one.distance() || 2.0 * own_now > errors_before[at]);
+        if (coarser) errors_before[at] = own_now;
         ++at;
       }
-      judge_contacts(judged, theirs, motion, solved.run,
-                     std::max(solved.estimate.total, 1e-9 * solved.estimate.largest));
-      judge_energy(judged, theirs, study.scene.scene.bar);
+      OwnContacts ours{motion.events,
+                       {},
+                       {at_times(motion.columns[0], rows[s]), at_times(motion.columns[1], rows[s])},
+                       std::max(solved.estimate.total, file_digits * solved.estimate.largest)};
+      if (coarser) ours.coarser = coarser->events;
+      judge_contacts(judged, theirs, solved.run, ours);
+      judge_energy(judged, theirs, study.scene.scene);
     }
     if (settled) {
       judgement.reason = "our own error is a tenth of every difference, or does not fall";

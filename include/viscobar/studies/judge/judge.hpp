@@ -20,8 +20,11 @@ struct TheirSolution {
   };
   std::string label;            ///< in tables
   std::vector<double> times;    ///< K, strictly increasing, in [0, end]
-  std::vector<Column> columns;  ///< one at least
-  std::optional<double> step;   ///< of their scheme; several solutions with steps show an order
+  std::vector<Column> columns;  ///< one at least, or else changes
+  std::optional<double> step;   ///< of their scheme
+  /// Contact changes in the order of time; absent: contacts are those that the columns show.
+  std::optional<std::vector<Event>> changes = {};
+  std::size_t scheme = 0;  ///< solutions of one scheme with several steps show an order
 
   const Column* column(const std::string& name) const;  ///< nullptr where there is none
 };
@@ -37,37 +40,72 @@ struct JudgeStudy {
 };
 
 /// A quantity of one of their solutions, beside that of the bar: d(t) is theirs less ours.
+///
+/// Where velocities, strains, stresses and reactions jump, a shift in time is a large d however small it is. Their
+/// distance is the mean |d|, that of displacements the largest.
 struct JudgedColumn {
   std::string name;                 ///< of the column
   double largest = 0.0;             ///< max |d|
   double at = 0.0;                  ///< when
   double root_mean_square = 0.0;    ///< of d
+  double mean = 0.0;                ///< (1/T) int |d| dt, by the trapezoidal rule between their times
   double size = 0.0;                ///< largest value of ours
-  std::optional<double> own_error;  ///< how much ours may be wrong by; absent: not known of one run alone
-  std::optional<double> order;      ///< power of the step that d shows from the next coarser solution to this one
+  std::optional<double> own_error;  ///< largest error of ours; absent: not known of one run alone
+  std::optional<double> own_mean;   ///< mean error of ours; likewise
+  std::optional<double> order;      ///< power of the step that the distance shows from the next coarser solution
   std::vector<double> theirs;       ///< K, for pictures
   std::vector<double> ours;         ///< likewise
-  /// True if d is theirs and not ours; so is a d of 0 where ours has no error.
-  bool told_apart() const { return !own_error || largest > 2.0 * *own_error || *own_error == 0.0; }
+
+  bool jumps() const { return !name.starts_with("u"); }         ///< whether the mean is its distance
+  double distance() const { return jumps() ? mean : largest; }  ///< of the two
+  /// Error of ours in that distance.
+  std::optional<double> own_distance() const { return jumps() ? own_mean : own_error; }
+  /// True if the distance is theirs and not ours; so is one of 0 where ours has no error.
+  bool told_apart() const { return !own_distance() || distance() > 2.0 * *own_distance() || *own_distance() == 0.0; }
 };
 
-/// A contact at an end.
+/// What became of a contact.
+enum class ContactVerdict {
+  found,    ///< both have it
+  missed,   ///< theirs has it not
+  made_up,  ///< ours has it not
+  untold    ///< theirs may have it between two samples or behind the last, or ours within its own error
+};
+std::string_view name(ContactVerdict verdict);  ///< in words
+
+/// A contact at an end, or under a span obstacle.
 struct JudgedContact {
-  Where where = Where::left;          ///< of the obstacle
-  std::optional<double> begin;        ///< ours; absent: they made it up
-  std::optional<double> end;          ///< likewise
-  std::optional<double> their_begin;  ///< to a sample; absent: they missed it
-  std::optional<double> their_end;    ///< likewise
+  Where where = Where::left;                       ///< of the obstacle
+  std::optional<double> place = {};                ///< x under a span obstacle, where a u shows it; absent: anywhere
+  ContactVerdict verdict = ContactVerdict::found;  ///< what became of it
+  std::optional<double> begin = {};                ///< ours
+  std::optional<double> end = {};                  ///< likewise
+  std::optional<double> their_begin = {};          ///< to a sample, or as their changes say
+  std::optional<double> their_end = {};            ///< likewise
+  std::size_t parts = 0;                           ///< of ours, with flights between that theirs has not
+  std::size_t their_parts = 0;                     ///< of theirs likewise
+  std::optional<double> own_error = {};            ///< of our times, where two of our runs have the contact
+
+  /// How much later theirs begins; absent where not both have it.
+  std::optional<double> delay() const { return one_less(their_begin, begin); }
+  /// How much longer it lasts.
+  std::optional<double> longer() const { return one_less(one_less(their_end, end), delay()); }
+
+ private:
+  static std::optional<double> one_less(const std::optional<double>& one, const std::optional<double>& other) {
+    return one && other ? std::optional(*one - *other) : std::nullopt;
+  }
 };
 
 /// One of their solutions beside the bar.
 struct JudgedSolution {
   std::vector<JudgedColumn> columns;    ///< in the order of theirs
   std::vector<JudgedContact> contacts;  ///< in the order of time
-  std::size_t missed = 0;               ///< contacts of ours; one that is shorter than their samples is not missed
-  std::size_t made_up = 0;              ///< contacts of theirs that ours has not
-  /// Largest difference of the energy, kinetic and elastic, of the P1 function through the places that have u and v:
-  /// theirs less ours, where there are three such places at least.
+  double sample = 0.0;                  ///< mean distance of their times; 0 where contact changes are given
+
+  std::size_t count(ContactVerdict verdict) const;  ///< of contacts
+  /// Largest difference of the energy, kinetic and elastic, of the P1 function through the places that have u and v,
+  /// with the masses and springs of ends that are among them: theirs less ours, where there are three such places.
   std::optional<double> energy_drift;
   std::optional<double> energy_share;  ///< of the largest of ours
 };

@@ -1,0 +1,214 @@
+#include "studies/judge/contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "studies/compare/matching.hpp"
+#include "viscobar/studies/compare/difference.hpp"
+#include "viscobar/studies/fit/fit.hpp"
+
+namespace viscobar {
+
+namespace {
+
+using Periods = std::vector<ContactPeriod>;
+
+// In so many samples one at least shows a contact that chatters, if it is closed half of the time: 2^-10 do not.
+constexpr std::ptrdiff_t enough_samples = 10;
+
+// A place where the bar may touch: contacts of both there, and their distances from the obstacle at their times, empty
+// where they are not known.
+struct Spot {
+  JudgedContact at;
+  Periods own = {}, coarser = {}, theirs = {};
+  std::vector<double> own_clearance = {}, their_clearance = {};
+};
+
+// Times from `begin` to `end` in which a node of the obstacle is in contact, flights shorter than `merge` left out.
+Periods periods_of(std::span<const Event> all, Where where, double begin, double end, double merge) {
+  Recording changes;
+  changes.times = {begin, end};
+  std::set<std::size_t> closed;
+  for (Event event : all) {
+    if (event.where != where || event.time > end) continue;
+    const bool closes = event.change == Change::closing, flies = closed.empty();
+    if (closes)
+      closed.insert(event.node);
+    else
+      closed.erase(event.node);
+    if (closes ? !flies : !closed.empty()) continue;
+    if (!closes && changes.events.empty()) changes.events.push_back({0.0, where});  // in contact from the start
+    event.node = 0;
+    changes.events.push_back(event);
+  }
+  Periods periods = contact_periods(changes, merge);
+  std::erase_if(periods, [begin](const ContactPeriod& period) { return period.end < begin; });
+  for (ContactPeriod& period : periods) period.begin = std::max(period.begin, begin), period.bounces = 1;
+  return periods;
+}
+
+// The same of samples: where values are at most `most`, those that are none left out.
+Periods periods_of(const std::vector<double>& times, const std::vector<double>& values, double most) {
+  Periods periods;
+  bool closed = false;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (!std::isfinite(values[k])) continue;
+    const bool now = values[k] <= most;
+    if (now && !closed) periods.push_back({.begin = times[k]});
+    if (now) periods.back().end = times[k];
+    closed = now;
+  }
+  return periods;
+}
+
+// Makes one of neighbours that meet the same one of `whole`, to a sample, and no other.
+Periods joined(const Periods& parts, const Periods& whole, double sample) {
+  Periods all;
+  std::vector<std::size_t> last;
+  for (const ContactPeriod& part : parts) {
+    std::vector<std::size_t> met;
+    for (std::size_t k = 0; k < whole.size(); ++k)
+      if (whole[k].begin <= part.end + sample && part.begin <= whole[k].end + sample) met.push_back(k);
+    if (met.size() == 1 && met == last)
+      all.back().end = part.end, all.back().bounces += part.bounces;
+    else
+      all.push_back(part);
+    last = met;
+  }
+  return all;
+}
+
+std::vector<Match> matched(const Periods& one, const Periods& other, double duration) {
+  const auto begins = [](const Periods& all) {
+    std::vector<double> times;
+    for (const ContactPeriod& period : all) times.push_back(period.begin);
+    return times;
+  };
+  const double reach = 2.0 * duration / static_cast<double>(std::max({one.size(), other.size(), std::size_t{1}}));
+  return match_times(begins(one), begins(other), reach);
+}
+
+// How theirs are seen.
+struct Sight {
+  const std::vector<double>& times;
+  double begin, end;
+  double sample;  // 0: by changes
+  double touch;
+};
+
+// Whether theirs may have a contact of ours between its samples: there are few of them, and its end is nowhere further
+// off than it goes from one sample to the next.
+bool may_hide(const ContactPeriod& own, const Spot& spot, const Sight& sight) {
+  const std::vector<double>&t = sight.times, &clearance = spot.their_clearance;
+  if (sight.sample == 0.0 ||
+      std::ranges::upper_bound(t, own.end) - std::ranges::lower_bound(t, own.begin) > enough_samples)
+    return false;
+  double step = 0.0;
+  for (const std::vector<double>* of : {&clearance, &spot.own_clearance})
+    for (std::size_t k = 1; k < of->size(); ++k) step = std::fmax(step, std::abs((*of)[k] - (*of)[k - 1]));
+  bool near = clearance.empty();
+  for (std::size_t k = 1; k < clearance.size(); ++k)
+    if (t[k] >= own.begin && t[k - 1] <= own.end)
+      near = near || !(clearance[k] + clearance[k - 1] > step + 2.0 * sight.touch);
+  return near;
+}
+
+// Whether ours is at the obstacle, to its own error, where theirs has a contact.
+bool grazes(const ContactPeriod& theirs, const Spot& spot, const Sight& sight) {
+  for (std::size_t k = 0; k < spot.own_clearance.size(); ++k)
+    if (sight.times[k] >= theirs.begin - sight.sample && sight.times[k] <= theirs.end + sight.sample &&
+        spot.own_clearance[k] <= sight.touch)
+      return true;
+  return false;
+}
+
+void judge_spot(std::vector<JudgedContact>& all, const Spot& spot, const Sight& sight) {
+  const double duration = sight.end - sight.begin;
+  const Periods theirs = joined(spot.theirs, spot.own, sight.sample), own = joined(spot.own, theirs, sight.sample);
+  std::vector<JudgedContact> contacts(own.size(), spot.at);
+  for (std::size_t i = 0; i < own.size(); ++i)
+    contacts[i].begin = own[i].begin, contacts[i].end = own[i].end, contacts[i].parts = own[i].bounces;
+  for (const Match& pair : matched(own, spot.coarser, duration)) {
+    const ContactPeriod &one = own[pair.first], &other = spot.coarser[pair.other];
+    contacts[pair.first].own_error = std::max(std::abs(one.begin - other.begin), std::abs(one.end - other.end));
+  }
+  std::vector<JudgedContact*> owner(theirs.size(), nullptr);
+  for (const Match& pair : matched(own, theirs, duration)) owner[pair.other] = &contacts[pair.first];
+  std::vector<JudgedContact> further;
+  further.reserve(theirs.size());
+  for (std::size_t j = 0; j < theirs.size(); ++j) {
+    JudgedContact& contact = owner[j] ? *owner[j] : further.emplace_back(spot.at);
+    contact.their_begin = theirs[j].begin, contact.their_end = theirs[j].end, contact.their_parts = theirs[j].bounces;
+    if (!owner[j]) contact.verdict = grazes(theirs[j], spot, sight) ? ContactVerdict::untold : ContactVerdict::made_up;
+  }
+  double delay = 0.0;  // of the contact before
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const bool behind = own[i].begin + delay > sight.end - sight.sample;
+    if (!contacts[i].their_begin)
+      contacts[i].verdict = behind || may_hide(own[i], spot, sight) ? ContactVerdict::untold : ContactVerdict::missed;
+    delay = contacts[i].delay().value_or(delay);
+  }
+  all.insert(all.end(), contacts.begin(), contacts.end());
+  all.insert(all.end(), further.begin(), further.end());
+}
+
+}  // namespace
+
+void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const Case& run, const OwnContacts& ours) {
+  const std::vector<double>& t = theirs.times;
+  const double begin = t.empty() ? 0.0 : t.front(), end = t.empty() ? run.end : t.back();
+  judged.sample = theirs.changes ? 0.0 : (end - begin) / static_cast<double>(t.size() - 1);
+  // Shorter flights are no flights: of samples two do not see them, of changes they are bounces that die away.
+  const double merge = theirs.changes ? 1e-3 * (end - begin) : 2.0 * judged.sample;
+  const Sight sight{t, begin, end, judged.sample, ours.touch};
+  const auto at_end_or_span = [&](Where where) {
+    Spot spot{.at = {.where = where}};
+    spot.own = periods_of(ours.changes, where, begin, end, merge);
+    spot.coarser = periods_of(ours.coarser, where, begin, end, merge);
+    if (theirs.changes) spot.theirs = periods_of(*theirs.changes, where, begin, end, merge);
+    return spot;
+  };
+  const auto clearances = [&](const std::vector<double>& u, const Obstacle& obstacle, const EndInput& input) {
+    std::vector<double> all;
+    for (std::size_t k = 0; k < u.size(); ++k)
+      all.push_back(-obstacle.depth(u[k] - (input.motion ? input.motion->displacement(t[k]) : 0.0)));
+    return all;
+  };
+  for (const bool right : {false, true}) {
+    const auto* obstacle = std::get_if<Obstacle>(right ? &run.scene.right : &run.scene.left);
+    const auto *reaction = theirs.column(right ? "reaction_right" : "reaction_left"),
+               *u = theirs.column(right ? "u_right" : "u_left");
+    if (!obstacle || !(theirs.changes || reaction || u)) continue;
+    const EndInput& input = right ? run.scene.right_input : run.scene.left_input;
+    Spot spot = at_end_or_span(right ? Where::right : Where::left);
+    spot.own_clearance = clearances(ours.ends[right], *obstacle, input);
+    if (u) spot.their_clearance = clearances(u->values, *obstacle, input);
+    if (!theirs.changes && !reaction) spot.theirs = periods_of(t, spot.their_clearance, ours.touch);
+    if (!theirs.changes && reaction) {
+      std::vector<double> reached;  // -|R|
+      double most = -1e9 * std::numeric_limits<double>::min();
+      for (const double value : reaction->values)
+        reached.push_back(-std::abs(value)), most = std::fmin(most, reached.back());
+      spot.theirs = periods_of(t, reached, 1e-9 * most);
+    }
+    judge_spot(judged.contacts, spot, sight);
+  }
+  if (run.scene.span && theirs.changes) judge_spot(judged.contacts, at_end_or_span(Where::span), sight);
+  for (const JudgedColumn& column : judged.columns) {
+    if (!run.scene.span || theirs.changes || column.jumps()) continue;
+    const auto [of, place] = *trace_column(column.name);
+    Spot spot{.at = {.where = Where::span, .place = of == TraceColumn::u_right ? run.scene.bar.length : place}};
+    spot.own_clearance = clearances(column.ours, *run.scene.span, {});
+    spot.their_clearance = clearances(column.theirs, *run.scene.span, {});
+    spot.own = periods_of(t, spot.own_clearance, ours.touch);
+    spot.theirs = periods_of(t, spot.their_clearance, ours.touch);
+    judge_spot(judged.contacts, spot, sight);
+  }
+  std::ranges::stable_sort(judged.contacts, {},
+                           [](const JudgedContact& one) { return one.begin.value_or(one.their_begin.value_or(0.0)); });
+}
+
+}  // namespace viscobar
