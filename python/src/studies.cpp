@@ -15,6 +15,7 @@
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/report/reports.hpp"
+#include "viscobar/studies/ensemble/ensemble.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar::python {
@@ -291,6 +292,69 @@ py::tuple judge_files(const std::string& text, const std::vector<std::vector<std
   return py::make_tuple(json, page);
 }
 
+/// A list, a row for each bar: what the first axis is long is theirs.
+py::array array_of(std::vector<double> values, std::size_t bars, const std::vector<std::size_t>& shape) {
+  std::vector<py::ssize_t> whole{static_cast<py::ssize_t>(bars)};
+  whole.insert(whole.end(), shape.begin(), shape.end());
+  auto* kept = new std::vector<double>(std::move(values));
+  const py::capsule owner(kept, [](void* all) { delete static_cast<std::vector<double>*>(all); });
+  return view(kept->data(), std::move(whole), owner);
+}
+
+py::dict ensemble_of(const std::string& text, const std::vector<std::string>& keys,
+                     const std::vector<py::array_t<double, py::array::c_style | py::array::forcecast>>& values,
+                     std::vector<std::string> outputs, std::optional<double> error, std::size_t threads,
+                     const py::object& progress) {
+  EnsembleStudy study;
+  study.model = [&](std::span<const double> at) {
+    std::vector<Setting> settings;
+    for (std::size_t k = 0; k < keys.size(); ++k) settings.push_back(std::pair(keys[k], SceneValue(at[k])));
+    return parse_scene_with(text, "scene", settings).run;
+  };
+  study.keys = keys;
+  for (const auto& list : values) study.values.emplace_back(list.data(), static_cast<std::size_t>(list.size()));
+  study.outputs = std::move(outputs);
+  study.error = error;
+  study.threads = threads;
+  Faults faults;
+  std::atomic<bool> stop{false};
+  study.stop = [&] { return stop.load(); };
+  if (!progress.is_none())
+    study.progress = [&](std::size_t done, std::size_t all) {
+      if (stop) return;
+      const Gil gil;
+      try {
+        progress(done, all);
+      } catch (py::error_already_set& raised) {
+        raised.restore();
+        faults.keep();
+        stop = true;
+      }
+    };
+  EnsembleResult result;
+  hearing_signals(faults, stop, [&] { result = ensemble(study); });
+  py::dict told;
+  for (std::size_t o = 0; o < result.outputs.size(); ++o)
+    told[py::str(result.outputs[o].name)] = array_of(std::move(result.values[o]), result.bars, result.outputs[o].shape);
+  const auto codes = [&](const auto& list) {
+    py::array_t<std::uint8_t> all(static_cast<py::ssize_t>(list.size()));
+    for (std::size_t i = 0; i < list.size(); ++i)
+      all.mutable_at(static_cast<py::ssize_t>(i)) = static_cast<std::uint8_t>(list[i]);
+    return all;
+  };
+  told["status"] = codes(result.status);
+  told["way"] = codes(result.ways);
+  told["error"] = array_of(std::move(result.error), result.bars, {});
+  told["steps"] = py::array_t<std::int64_t>(static_cast<py::ssize_t>(result.steps.size()),
+                                            std::vector<std::int64_t>(result.steps.begin(), result.steps.end()).data());
+  told["messages"] = result.messages;
+  py::dict times;
+  for (const EnsembleOutput& output : result.outputs)
+    if (!output.times.empty()) times[py::str(output.name)] = array_of(output.times, output.times.size(), {});
+  told["times"] = times;
+  return told;
+}
+
 // Sweeps.
 
 VariedKey::Values values_of(const py::list& values) {
@@ -377,6 +441,14 @@ void bind_studies(py::module_& m) {
                      {data, events, std::move(parameters), std::move(bounds), std::move(deviations), starts, runs});
   });
   m.def("judge", &judge_files);
+  m.def("ensemble", &ensemble_of);
+  const auto words = [](auto last) {
+    std::vector<std::string> all;
+    for (int k = 0; k <= static_cast<int>(last); ++k) all.emplace_back(name(static_cast<decltype(last)>(k)));
+    return all;
+  };
+  m.attr("bar_statuses") = words(BarStatus::not_run);
+  m.attr("bar_ways") = words(BarWay::alone);
   m.def("sweep_scene", &sweep_scene);
   m.def("sweep_file", [](const std::string& file, std::size_t threads, py::list table) {
     run_sweep(read_sweep(file), threads, std::move(table));

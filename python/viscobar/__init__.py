@@ -11,7 +11,7 @@
     compare    several methods and schemes of your own        orders     their orders on exact solutions
     limit      epsilon to 0: orders and a verdict             precision  time against error
     sweep      many values of the scene's keys                check      what a scene needs, predicted impacts
-    fit        least squares on measured traces
+    fit        least squares on measured traces              ensemble   many bars: arrays in, arrays out
 
 docs/python.md has a tutorial.
 """
@@ -23,6 +23,9 @@ __path__.insert(0, folder(__path__[0]))  # _core for this processor
 from ._core import Case
 from ._core import methods as _methods
 from ._core import version as __version__
+from ._ensemble import Ensemble, ensemble
+from ._ensemble import statuses as ensemble_statuses
+from ._ensemble import ways as ensemble_ways
 from ._errors import Finding, IntegrationError, RunWarning, SceneError
 from ._plots import plot
 from ._run import Recorded, Result, run
@@ -34,6 +37,6 @@ methods: tuple[str, ...] = tuple(_methods)
 """Names of the built-in methods."""
 
 __all__ = [
-    "Case", "Comparison", "Finding", "Fit", "IntegrationError", "Judgement", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
-    "Study", "Table", "check", "compare", "fit", "judge", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
+    "Case", "Comparison", "Ensemble", "Finding", "Fit", "IntegrationError", "Judgement", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
+    "Study", "Table", "check", "compare", "ensemble", "ensemble_statuses", "ensemble_ways", "fit", "judge", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",
 ]  # fmt: skip

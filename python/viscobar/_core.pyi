@@ -8,6 +8,8 @@ Array = npt.NDArray[np.float64]
 
 version: str
 methods: list[str]
+bar_statuses: list[str]
+bar_ways: list[str]
 
 class Case:
     """What a scheme of one's own is given: a scene on its mesh, with step and output times."""
@@ -161,5 +163,14 @@ def fit(
     runs: int,
 ) -> tuple[str, str]: ...
 def judge(text: str, schemes: Sequence[Sequence[str]]) -> tuple[str, str]: ...
+def ensemble(
+    text: str,
+    keys: Sequence[str],
+    values: Sequence[np.ndarray],
+    outputs: Sequence[str],
+    error: float | None,
+    threads: int,
+    progress: Callable[[int, int], Any] | None,
+) -> dict[str, Any]: ...
 def sweep_scene(text: str, vary: Mapping[str, list[Any]], zip: bool, threads: int, table: list[dict[str, Any]]) -> None: ...
 def sweep_file(file: str, threads: int, table: list[dict[str, Any]]) -> None: ...

@@ -206,6 +206,7 @@ class EnsembleRun {
       for (std::size_t begin = 0; begin < all.size(); begin += lane_count) {
         const std::span<std::unique_ptr<Bar>> pack =
             std::span(all).subspan(begin, std::min(lane_count, all.size() - begin));
+        if (stopped()) throw Stopped();
         std::vector<BarValues> values;
         std::vector<bool> sound_bar;
         run_pack(scheme, pack, level, values, sound_bar);
@@ -344,7 +345,7 @@ class EnsembleRun {
     observers.event = [&](const Event& event) {
       if (changes.size() < std::max<std::size_t>(layout_->most_changes, 1)) changes.push_back(event.time);
     };
-    observers.progress = [this](double) { return stopped_ ? RunControl::stop : RunControl::go_on; };
+    if (study_.stop) observers.progress = [this](double) { return stopped() ? RunControl::stop : RunControl::go_on; };
     const Statistics done = simulate(setup, layout_->times, observers);
     if (!done.completed) throw Stopped();
     steps = done.steps;
@@ -367,14 +368,12 @@ class EnsembleRun {
   }
 
   void tell_done(std::size_t more) {
-    if (stopped_) throw Stopped();
     const std::size_t done = done_ += more;
     if (!study_.progress || done / chunk == (done - more) / chunk) return;
     const std::lock_guard lock(mutex_);
-    if (!stopped_ && study_.progress(done, bars_)) return;
-    stopped_ = true;
-    throw Stopped();
+    study_.progress(done, bars_);
   }
+  bool stopped() const { return study_.stop && study_.stop(); }
 
   const EnsembleStudy& study_;
   std::size_t bars_;
@@ -386,7 +385,6 @@ class EnsembleRun {
   EnsembleResult result_;
   std::mutex mutex_;
   std::atomic<std::size_t> done_{0};
-  std::atomic<bool> stopped_{false};
 };
 
 }  // namespace

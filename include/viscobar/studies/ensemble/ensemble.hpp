@@ -67,10 +67,10 @@ struct EnsembleStudy {
   /// displacements of the ends and of the middle, and the contact times and impulses that are asked for. The error of
   /// the mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
   std::optional<double> error;
-  bool lanes = true;        ///< false: each bar by a run of its own
-  std::size_t threads = 0;  ///< 0: one a core
-  /// Told now and then, by one thread at a time, how many bars are done; false stops the ensemble.
-  std::function<bool(std::size_t done, std::size_t all)> progress;
+  bool lanes = true;                                                ///< false: each bar by a run of its own
+  std::size_t threads = 0;                                          ///< 0: one a core
+  std::function<void(std::size_t done, std::size_t all)> progress;  ///< told now and then, by one thread at a time
+  std::function<bool()> stop;  ///< asked by every thread, after each step of runs alone; may be empty
 };
 
 /// The bars in the order of the values. Nothing in it depends on the number of threads, nor on which other bars there
