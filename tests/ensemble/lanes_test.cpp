@@ -17,8 +17,8 @@ double largest_of(std::span<const double> values) {
   return largest;
 }
 
-// Of a scheme both do the same arithmetic in another order: a step of a bar amplifies roundings by no more than the
-// energy norm does, so that they add up to some thousand.
+// Both do the arithmetic of one scheme in another order. Its steps do not amplify roundings but for the condition of
+// M, some hundred, and add up 400 of them; accelerations have them over dt, 1e-3.
 TEST(Ensemble, LanesAreTheSchemeToRounding) {
   std::mt19937_64 random(11);
   std::size_t compared = 0, decided_by_rounding = 0;
@@ -45,12 +45,7 @@ TEST(Ensemble, LanesAreTheSchemeToRounding) {
         const double scale = std::max(largest_of(theirs), 1e-3);
         for (std::size_t k = 0; k < width; ++k) {
           if (std::isnan(mine[k]) && std::isnan(theirs[k])) continue;
-          if (!(std::abs(mine[k] - theirs[k]) <= 1e-9 * scale)) {
-            differs = true;
-            if (decided_by_rounding < 3)
-              std::printf("%s\n%g %g %g %s [%zu]: %.17g %.17g\n", made.scene.c_str(), made.of(i)[0], made.of(i)[1],
-                          made.of(i)[2], lanes.outputs[o].name.c_str(), k, mine[k], theirs[k]);
-          }
+          differs |= !(std::abs(mine[k] - theirs[k]) <= 1e-10 * scale);
         }
       }
       ++compared;
@@ -58,7 +53,9 @@ TEST(Ensemble, LanesAreTheSchemeToRounding) {
     }
   }
   EXPECT_EQ(compared, 800u);
+  // A node that only just touches does so by a rounding.
   EXPECT_LE(decided_by_rounding, 8u);
+  std::printf("decided by rounding: %zu of %zu\n", decided_by_rounding, compared);
 }
 
 }  // namespace

@@ -56,6 +56,41 @@ class StudiesTest(Test):
         with self.assertRaisesRegex(viscobar.SceneError, "no obstacle"):
             viscobar.limit(thrown(left__kind="free", left__gap=None))
 
+    def test_an_ensemble_has_the_axes_of_its_parameters(self):
+        scene = viscobar.Scene(
+            {
+                "bar": {"length": 1.0, "viscosity": 0.1},
+                "left": {"kind": "obstacle", "gap": 0.1},
+                "initial": {"velocity": -1.0},
+                "mesh": {"elements": 24},
+                "time": {"end": 3.0},
+            }
+        )
+        viscosity, gap = np.meshgrid([0.05, 0.1, 0.2], [0.1, 0.2], indexing="ij")
+        outputs = ["u_left@0.5", "events:3", "impulse_left", "final", "gauge:0.25@1"]
+        told = []
+        many = viscobar.ensemble(
+            scene, {"bar.viscosity": viscosity, "left.gap": gap}, outputs, error=1e-4, progress=lambda done, all: told.append((done, all))
+        )
+        self.assertEqual([many[one].shape for one in outputs], [(3, 2, 7), (3, 2, 3), (3, 2), (3, 2, 2, 25), (3, 2, 4, 4)])
+        self.assertEqual(told[-1], (6, 6))
+        self.assertTrue((many.status == viscobar.ensemble_statuses.index("kept")).all())
+        self.assertTrue((many.error <= 1e-4).all())
+        one = viscobar.run(
+            scene,
+            set={"bar.viscosity": 0.2, "left.gap": 0.1, "method.name": "rigid", "method.relative_tolerance": 1e-9, "output.every": 0.5},
+        )
+        self.assertLess(abs(many["u_left@0.5"][2, 0] - one.ends["u_left"]).max(), 3e-4 * abs(one.ends["u_left"]).max())
+        np.testing.assert_array_equal(many.times["u_left@0.5"], one.t)
+        with self.assertRaisesRegex(ValueError, "is not known"):
+            viscobar.ensemble(scene, {"bar.viscosity": [0.1]}, ["u_middle@1"])
+
+        def broken(done, all):
+            raise ZeroDivisionError
+
+        with self.assertRaises(ZeroDivisionError):
+            viscobar.ensemble(scene, {"bar.viscosity": [0.1]}, ["final"], error=1e-2, progress=broken)
+
     def test_a_solution_is_judged_as_by_the_program(self):
         scene = thrown(output__gauges=[0.25, np.float64(0.5)])
         run = viscobar.run(scene, "fully_discrete")

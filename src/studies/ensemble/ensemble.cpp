@@ -59,10 +59,9 @@ class EnsembleRun {
   EnsembleResult operator()() {
     try {
       parallel_for((bars_ + chunk - 1) / chunk, [this](std::size_t k) { run_chunk(k); }, study_.threads);
+      if (study_.progress) study_.progress(bars_, bars_);
     } catch (const Stopped&) {
     }
-    std::ranges::sort(result_.messages);
-    if (result_.messages.size() > 100) result_.messages.resize(100);
     return std::move(result_);
   }
 
