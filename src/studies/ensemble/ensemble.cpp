@@ -24,6 +24,11 @@ namespace {
 using namespace bars;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
+/// True where the scene leaves the method open, and wants the motion that `rigid` and (2.8) have in the limit.
+bool wants_limit(const Case& run) {
+  return run.automatic && (run.method == MethodName::rigid || run.method == MethodName::characteristics);
+}
+
 constexpr std::size_t chunk = 512;  // bars that a thread takes at a time
 
 struct Stopped {};
@@ -38,8 +43,8 @@ class EnsembleRun {
     if (study.error && !(*study.error > 0.0 && *study.error < 1.0))
       throw std::invalid_argument(fmt::format("error: is a share between 0 and 1, is {}", *study.error));
     const bool schemes = first_.method == MethodName::fully_discrete;
-    lanes_asked_ = study.lanes && (schemes || (study.error && first_.automatic));
-    if (study.error && first_.automatic) {
+    lanes_asked_ = study.lanes && (schemes || (study.error && wants_limit(first_)));
+    if (study.error && wants_limit(first_)) {
       first_.method = MethodName::rigid;
       first_.automatic = false;
       first_.reservation.clear();
@@ -165,7 +170,7 @@ class EnsembleRun {
   std::optional<Case> case_of(std::size_t i) {
     try {
       Case run = study_.model(values_of(i));
-      if (study_.error && run.automatic) run.method = MethodName::rigid, run.automatic = false;
+      if (study_.error && wants_limit(run)) run.method = MethodName::rigid, run.automatic = false;
       const auto found = faults(resolve(run));
       if (found.empty()) return run;
       complain(i, BarStatus::faulty, found.front().key + " " + found.front().problem);
