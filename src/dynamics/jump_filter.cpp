@@ -105,12 +105,18 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
   for (double& force : out) force *= bar_.bar().modulus;
   for (const Mount& mount : bar_.mounts())
     out[mount.unknown] += (mount.stiffness + added_.stiffness[bar_.is_right(mount.unknown)]) * x[mount.unknown];
+  if (const SideRows* side = bar_.side())
+    side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.at_nodes(x)(j); }, bar_.first_node(),
+                   bar_.size(), out);
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().viscosity;
   for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.dashpot * x[mount.unknown];
+  if (const SideRows* side = bar_.side())
+    side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.at_nodes(x)(j); }, bar_.first_node(), bar_.size(),
+                   out);
 }
 
 // True if what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
