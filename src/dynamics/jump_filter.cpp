@@ -247,6 +247,10 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
     for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
   }
+  if (rates.side) {
+    const auto at = [this](std::span<const double> of) { return bar_.at_nodes(of); };
+    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.first_node(), force.size(), force);
+  }
   for (const auto& [node, stiffness, dashpot, mass] : rates.mounts)
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }

@@ -20,6 +20,10 @@ SideRows::SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std
       drag_(std::move(drag)),
       skew_(!mass_.is_diagonal() && (varies(stiffness_) || varies(drag_))) {}
 
+double SideRows::largest_stiffness() const { return stiffness_.empty() ? 0.0 : std::ranges::max(stiffness_); }
+
+double SideRows::largest_drag() const { return drag_.empty() ? 0.0 : std::ranges::max(drag_); }
+
 std::array<double, 3> SideRows::end_row(bool right) const {
   std::array<double, 3> row{};
   const std::size_t n = mass_.size();

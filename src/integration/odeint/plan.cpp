@@ -40,10 +40,9 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const bool diagonal = system.inertia().off_diagonal.empty();
   const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
   double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
-  // M r has k / rho and c / rho for its share of every mode, the largest of them at most.
-  for (std::size_t j = 0; system.side() && j < system.mesh().nodes(); ++j) {
-    square = std::max(square, mesh * bar.modulus + system.side()->stiffness(j) / bar.density);
-    decay = std::max(decay, mesh * bar.viscosity + system.side()->drag(j) / bar.density);
+  if (system.side()) {
+    square += system.side()->largest_stiffness() / bar.density;
+    decay += system.side()->largest_drag() / bar.density;
   }
   const std::vector<double> masses = system.effective_masses();
   double contact_square = 0.0, contact_decay = 0.0, mount_square = 0.0;

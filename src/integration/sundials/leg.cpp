@@ -79,10 +79,13 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                         std::span<double> rates) {
-  // Each has its end and the node beside it.
+  // Each has its end and the node beside it, and with a side that resists the next one, too.
   layout.each_impulse([&](std::size_t k, std::size_t end) {
-    const std::size_t beside = layout.nodes == 1 ? end : end == 0 ? 1 : end - 1;
-    for (const std::size_t i : {end, beside}) field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    const std::size_t reach = std::min(layout.nodes, system.bar().side() ? std::size_t{3} : std::size_t{2});
+    for (std::size_t m = 0; m < reach; ++m) {
+      const std::size_t i = end == 0 ? m : end - m;
+      field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    }
     rates[k] = derivative.momentum_loss(end, at, field);
   });
 }
