@@ -61,6 +61,8 @@ JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
   if (bar.mass() != Mass::fourth_order || bar.mesh().elements < fewest_elements ||
       std::ranges::any_of(bar.contacts(), spans))
     return;
+  // Springs along the bar that the mesh does not resolve give its long waves the frequencies of short ones.
+  if (bar.side() && h * h * bar.side()->largest_stiffness() > 0.1 * material.modulus) return;
   for (const Mount& mount : bar.mounts())
     if (mount.dashpot >= 0.5 * impedance) deaf_[bar.is_right(mount.unknown)] = true;
   if (!(deaf_[0] && deaf_[1])) share_ = std::pow(std::max(0.0, 1.0 - 2.0 * viscous * viscous), 4);
