@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
@@ -100,8 +102,9 @@ class Judge {
       for (const Index k : {0, 1, 2})
         M(0, k) = M(n_ - 1, n_ - 1 - k) = std::array{7.0, 6.0, -1.0}[static_cast<std::size_t>(k)] * h / 24;
     }
+    const auto place = [h](Index j) { return h * static_cast<double>(j); };
     VectorXd k(n_), c(n_);
-    for (Index j = 0; j < n_; ++j) k[j] = scene.k0 + scene.k1 * h * j, c[j] = scene.c0 + scene.c1 * h * j;
+    for (Index j = 0; j < n_; ++j) k[j] = scene.k0 + scene.k1 * place(j), c[j] = scene.c0 + scene.c1 * place(j);
     inertia_ = scene.rho * M;
     stiffness_ = scene.E * K + M * k.asDiagonal();
     damping_ = scene.eta * K + M * c.asDiagonal();
@@ -110,9 +113,8 @@ class Judge {
     damping_(n_ - 1, n_ - 1) += scene.dashpot;
     load_ = M * VectorXd::Constant(n_, scene.load);
     y_ = VectorXd::Zero(2 * n_ + 1);
-    for (Index j = 0; j < n_; ++j) y_[j] = scene.displacement(h * j), y_[n_ + j] = scene.velocity(h * j);
+    for (Index j = 0; j < n_; ++j) y_[j] = scene.displacement(place(j)), y_[n_ + j] = scene.velocity(place(j));
     y_[2 * n_] = 1.0;
-    // A held node ends as fourth-order rows leave their neighbours: its velocity is zero from the start here.
     open_ = matrix(false), closed_ = matrix(true);
   }
 

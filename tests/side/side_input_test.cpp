@@ -37,7 +37,9 @@ TEST(SideInput, RefusesWhatIsNegativeOrDependsOnTimeWithItsPlace) {
 
 TEST(SideInput, IsNothingWhereItIsZeroAndIsReadFromSeries) {
   EXPECT_FALSE(parse_scene(bar + "[side]\nstiffness = 0\ndrag = 0.0\n", "").run.scene.side);
-  const Case run = parse_scene(bar + "[side]\nstiffness = { x = [0, 1, 2], value = [1, 3, 3] }\n", "").run;
+  const Case run =
+      parse_scene(bar + "[side]\nstiffness = { x = [0, 1, 2], values = [1, 3, 3], interpolation = \"linear\" }\n", "")
+          .run;
   ASSERT_TRUE(run.scene.side && run.scene.side->stiffness);
   EXPECT_NEAR(run.scene.side->stiffness(0.5), 2.0, 1e-12);
   EXPECT_FALSE(run.scene.side->drag);
