@@ -31,9 +31,9 @@ using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& 
 EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
                       const Eigen::MatrixXd& load, double tau, double sigma, const FrameFlow& of_frame);
 
-/// The flow over a whole step from displacements, velocities, loads and accelerations (n entries each; no loads without
-/// a load, no accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9.
-/// `error` is how far Romberg's rule on these points, of degree 7, is off.
+/// The flow over a whole step from displacements, velocities, loads and accelerations (n entries each; no displacements
+/// without of_frame, no loads without a load, no accelerations for a mass without end rows) at its eighths, by the rule
+/// of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;

@@ -375,7 +375,7 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
                                               double tau, double penetration) const {
   std::vector<VectorXd> displacements, velocities, loads, accelerations;
   for (std::size_t k = 0; k < motion.size(); ++k) {
-    displacements.push_back(motion[k].col(0));
+    if (system_.moving() || system_.side()) displacements.push_back(motion[k].col(0));
     velocities.push_back(motion[k].col(1) / tau);
     if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
     if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
@@ -398,7 +398,8 @@ FrameFlow Run::frame_flow(double tau) const {
   return [this, tau](double sigma, const VectorXd& u, const VectorXd& v, const VectorXd& a) {
     const double t = t_ + sigma * tau, loss = penalised_.frame_loss(t, entries(v));
     const bool moves = system_.moving() && system_.has_end_rows();
-    const double end = moves ? penalised_.end_power(t, entries(u), entries(v), entries(a)).of_frame : 0.0;
+    const VectorXd placed = u + propagators_.origin();
+    const double end = moves ? penalised_.end_power(t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
     return EnergyFlow{loss, loss + end, end + leg().side_power(v, u)};
   };
 }
