@@ -72,11 +72,17 @@ Direction direction(const Case& run, std::string_view key) {
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: {}", key, why));
   };
+  if (key == "side.stiffness" || key == "side.drag") {
+    SpaceFunction SideResistance::*part = key == "side.drag" ? &SideResistance::drag : &SideResistance::stiffness;
+    if (!scene.side || !((*scene.side).*part)) refuse("nothing resists the bar along its length in that way");
+    data.side.emplace().*part = [](double) { return 1.0; };
+    return along;
+  }
   const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
   if (place == std::end(places)) {
     std::string known;
     for (const auto& [name, number] : places) known.append(known.empty() ? "" : ", ").append(name);
-    refuse(fmt::format("known are {} and parameters.NAME", known));
+    refuse(fmt::format("known are {}, side.stiffness, side.drag and parameters.NAME", known));
   }
   if (!place->second) refuse("the scene has no such obstacle");
   if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))
@@ -91,6 +97,10 @@ Direction direction(const Case& run, std::string_view key) {
   }
   *place->second = 1.0;
   if (key == "bar.length") {
+    if (scene.side)
+      along.data.side =
+          SideResistance{scene.side->stiffness ? carried(scene.side->stiffness, scene.bar.length) : nullptr,
+                         scene.side->drag ? carried(scene.side->drag, scene.bar.length) : nullptr};
     data.displacement = carried(scene.displacement, scene.bar.length);
     data.velocity = carried(scene.velocity, scene.bar.length);
     data.displacement_places = scene.displacement_places;

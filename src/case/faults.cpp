@@ -173,9 +173,19 @@ void check_initial_nodes(const Case& run, Findings& findings) {
   }
 }
 
+void check_side(const Case& run, Findings& findings) {
+  if (!run.scene.side || !findings.sound({"bar.length", "mesh.elements", "mesh.grading"})) return;
+  const Mesh mesh = run.mesh();
+  for (const auto& [key, of] :
+       {std::pair{"side.stiffness", &run.scene.side->stiffness}, {"side.drag", &run.scene.side->drag}})
+    for (std::size_t j = 0; *of && j < mesh.nodes(); ++j)
+      if (const double x = mesh.node(j), value = (*of)(x); !(std::isfinite(value) && value >= 0.0))
+        findings.report(key, "must be finite and not negative, is {} at x = {}", printable(value), x);
+}
+
 // The stepper, and the number of its steps, follow from the whole system.
 void check_odeint(const Setup& setup, Findings& findings) {
-  if (!findings.sound_tables({"bar", "left", "right", "span", "initial", "time", "mesh", "contact"}) ||
+  if (!findings.sound_tables({"bar", "left", "right", "span", "side", "initial", "time", "mesh", "contact"}) ||
       !findings.sound({"method.stepper"}))
     return;
   if (const auto why = plan(setup.system(), setup.run.end, std::get<Odeint>(setup.method)).refusal)
@@ -262,6 +272,7 @@ std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& 
   check_grading(setup, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);
+  check_side(run, findings);
   if (!findings.sound({"method.name"})) return findings.take();
   check_method(setup, findings);
   return findings.take();

@@ -80,6 +80,7 @@ std::string check_text(const SceneCheck& check) {
               mesh.uniform() ? "" : fmt::format(" on average, {:.4g} at the contacts", mesh.smallest()));
   text += row("damping", system.damped() ? fmt::format("eta = {}", scene.bar.viscosity) : "none");
   text += row("load", load_kind(scene));
+  if (scene.side) text += row("side", side_text(scene));
   for (const std::string& words : inputs_text(system.bar(), scene.left, scene.left_input))
     text += row("left end", words);
   for (const std::string& words : inputs_text(system.bar(), scene.right, scene.right_input))

@@ -123,7 +123,7 @@ void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFil
     const auto differs = [&](const char* table) {
       return ours.value(table, Json::object()) != theirs.value(table, Json::object());
     };
-    constexpr const char* problem[] = {"bar", "left", "right", "span", "initial", "load"};
+    constexpr const char* problem[] = {"bar", "left", "right", "span", "initial", "load", "side"};
     if (std::ranges::any_of(problem, differs))
       warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
                        directory.string(), name, one_line(theirs.value("title", ""))));

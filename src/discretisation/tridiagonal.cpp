@@ -13,7 +13,7 @@ EndRows EndRows::times(double factor) const {
 }
 
 SymmetricTridiagonal& SymmetricTridiagonal::operator*=(double factor) {
-  for (std::vector<double>* entries : {&diagonal, &off_diagonal})
+  for (std::vector<double>* entries : {&diagonal, &off_diagonal, &skew})
     for (double& entry : *entries) entry *= factor;
   if (end_rows) end_rows = end_rows->times(factor);
   return *this;
@@ -37,6 +37,10 @@ void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double>
   for (std::size_t i = 1; i + 1 < n; ++i)
     out[i] = off_diagonal[i - 1] * x[i - 1] + diagonal[i] * x[i] + off_diagonal[i] * x[i + 1];
   out[n - 1] = off_diagonal[n - 2] * x[n - 2] + diagonal[n - 1] * x[n - 1];
+  for (std::size_t i = 0; i < skew.size(); ++i) {
+    out[i] += skew[i] * x[i + 1];
+    out[i + 1] -= skew[i] * x[i];
+  }
   if (!end_rows) return;
   out[0] += end_rows->first_times(x);
   out[n - 1] += end_rows->last_times(x);
@@ -53,6 +57,7 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();
   inverse_pivot_.resize(n);
   lower_.resize(matrix.off_diagonal.size());
+  upper_.resize(matrix.skew.size());
   ends_.reset();
   if (matrix.end_rows) return factorise_ends(matrix);
   bool positive = true;
@@ -63,9 +68,10 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   for (std::size_t i = 0; i < n && !lower_.empty(); ++i) {
     double pivot = matrix.diagonal[i];
     if (i > 0) {
-      const double off = matrix.off_diagonal[i - 1], lower = off * inverse_pivot_[i - 1];
+      const double above = matrix.above(i - 1), lower = matrix.below(i - 1) * inverse_pivot_[i - 1];
       lower_[i - 1] = lower;
-      pivot -= lower * off;
+      if (!upper_.empty()) upper_[i - 1] = above * inverse_pivot_[i - 1];
+      pivot -= lower * above;
     }
     positive &= pivot > 0.0;
     inverse_pivot_[i] = 1.0 / pivot;
@@ -77,7 +83,7 @@ void TridiagonalFactor::factorise_ends(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();
   assert(n >= 3 && matrix.off_diagonal.size() + 1 == n);
   const auto& [first, last] = *matrix.end_rows;
-  const std::vector<double>&d = matrix.diagonal, &off = matrix.off_diagonal;
+  const std::vector<double>& d = matrix.diagonal;
   Ends& ends = ends_.emplace();
   bool positive = true;
   const auto pivot = [&](std::size_t i, double value) {
@@ -85,19 +91,21 @@ void TridiagonalFactor::factorise_ends(const SymmetricTridiagonal& matrix) {
     inverse_pivot_[i] = 1.0 / value;
   };
   pivot(0, d[0] + first[0]);
-  ends.upper_01 = (off[0] + first[1]) * inverse_pivot_[0];
+  ends.upper_01 = (matrix.above(0) + first[1]) * inverse_pivot_[0];
   ends.upper_02 = first[2] * inverse_pivot_[0];
   double before = 0.0, upper = ends.upper_01;  // U(i-2, i-1), U(i-1, i)
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    lower_[i - 1] = off[i - 1] * inverse_pivot_[i - 1];
-    pivot(i, d[i] - off[i - 1] * upper);
+    const double below = matrix.below(i - 1);
+    lower_[i - 1] = below * inverse_pivot_[i - 1];
+    pivot(i, d[i] - below * upper);
     before = upper;
-    upper = (i == 1 ? off[1] - off[0] * ends.upper_02 : off[i]) * inverse_pivot_[i];
+    upper = (i == 1 ? matrix.above(1) - below * ends.upper_02 : matrix.above(i)) * inverse_pivot_[i];
+    if (!upper_.empty()) upper_[i] = upper;
     if (i == 1) ends.upper_12 = upper;
   }
   ends.upper_last = upper;
   ends.lower_last = last[2] * inverse_pivot_[n - 3];
-  const double beside = off[n - 2] + last[1] - last[2] * before;
+  const double beside = matrix.below(n - 2) + last[1] - last[2] * before;
   lower_[n - 2] = beside * inverse_pivot_[n - 2];
   pivot(n - 1, d[n - 1] + last[0] - beside * upper - (n == 3 ? last[2] * ends.upper_02 : 0.0));
   if (!positive) throw std::domain_error("a pivot of a tridiagonal matrix with end rows is not positive");
@@ -131,7 +139,7 @@ void TridiagonalFactor::substitute_ends(std::span<double> x) const {
   x[n - 1] = (x[n - 1] - ends_->lower_last * x[n - 3]) * inverse_pivot_[n - 1];
   x[n - 2] = x[n - 2] * inverse_pivot_[n - 2] - ends_->upper_last * x[n - 1];
   if (n > 3) {
-    sweep_back(lower_.data(), inverse_pivot_.data(), x.data(), n - 2, 2);
+    sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 2, 2);
     x[1] = x[1] * inverse_pivot_[1] - ends_->upper_12 * x[2];
   }
   x[0] = x[0] * inverse_pivot_[0] - ends_->upper_01 * x[1] - ends_->upper_02 * x[2];
@@ -161,7 +169,7 @@ void TridiagonalFactor::solve(std::span<double> x) const {
 
   if (ends_) return substitute_ends(x);
   x[n - 1] *= inverse_pivot_[n - 1];
-  sweep_back(lower_.data(), inverse_pivot_.data(), x.data(), n - 1, 0);
+  sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 1, 0);
 }
 
 namespace {

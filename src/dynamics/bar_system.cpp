@@ -96,6 +96,14 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (!mesh.uniform())
     for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
   whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1]);
+  if (scene.side) {
+    const auto nodal = [&](const SpaceFunction& f) {
+      std::vector<double> values;
+      for (std::size_t j = 0; f && j < mesh.nodes(); ++j) values.push_back(f(mesh.node(j)));
+      return values;
+    };
+    side_.emplace(whole_inertia_, nodal(scene.side->stiffness), nodal(scene.side->drag));
+  }
   whole_inertia_ *= bar_.density;
   inertia_ = restrict_to(whole_inertia_, first, n);
   for (const bool right : {false, true})
@@ -198,7 +206,10 @@ double BarSystem::held_inertia(bool right, std::span<const double> a) const {
 double BarSystem::holding_force(bool right, std::span<const double> u, std::span<const double> v,
                                 std::span<const double> a, double load) const {
   const double stress = element_stress(bar_, mesh_, u, v, right ? mesh_.elements - 1 : 0);
-  return (right ? stress : -stress) + held_inertia(right, a) - load;
+  const double force = (right ? stress : -stress) + held_inertia(right, a) - load;
+  if (!side_) return force;
+  return force + side_->at_end(right, side_->resistance([u](std::size_t j) { return u[j]; },
+                                                        [v](std::size_t j) { return v[j]; }));
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
@@ -208,6 +219,7 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
     graded_force(u, w, out);
   for (const Mount& mount : mounts_)
     out[mount.unknown] -= mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
+  if (side_) side_->subtract(side_->resistance(displacement_at_nodes(u), at_nodes(w)), first_node(), size(), out);
 }
 
 void BarSystem::uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
@@ -264,6 +276,7 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
   else
     graded_stiffness(m, scale, out);
   for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
+  if (side_) side_->add_to(out, first_node(), c, k);
 }
 
 void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
@@ -310,7 +323,7 @@ double BarSystem::squared_strain_rate(std::span<const double> w) const {
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {
   double sum = 0.5 * inertia_.quadratic_form(w) + 0.5 * bar_.modulus * squared_strain(u);
   for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[mount.unknown] * u[mount.unknown];
-  return sum;
+  return side_ ? sum + side_->energy(displacement_at_nodes(u)) : sum;
 }
 
 bool BarSystem::has_dashpots() const {

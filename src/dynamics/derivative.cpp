@@ -22,10 +22,14 @@ double damping_ratio_rate(double restitution) {
   return -square / (restitution * std::pow(square + logarithm * logarithm, 1.5));
 }
 
-BarSystem in_frame_of(const BarSystem& bar, BarSystem data) { return bar.follows() ? data.following() : data; }
+BarSystem in_frame_of(const BarSystem& bar, BarSystem data) {
+  if (bar.side()) data.take_side(bar);
+  return bar.follows() ? data.following() : data;
+}
 
 // The data of s: springs, dashpots and masses are those of the bar.
 Scene mounted(Scene data, const BarSystem& bar) {
+  data.side.reset();
   for (const auto& [input, of_bar] :
        {std::pair{&data.left_input, &bar.inputs()[0]}, {&data.right_input, &bar.inputs()[1]}})
     input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot, input->mass = of_bar->mass;
@@ -87,6 +91,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                         std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density) +
                         std::abs(rates.mass) / (bar.density * bar.length);
   }
+  take_side(direction, stretched);
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
     if (!system.rigid()) {
@@ -116,9 +121,29 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
-  driven_ = !mounts_.empty() || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
+  driven_ = !mounts_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.add_force(added_, {});
+}
+
+// M goes like L.
+void Derivative::take_side(const Direction& direction, double stretched) {
+  const SideRows* own = system_.bar().side();
+  if (!own || (!direction.data.side && stretched == 0.0)) return;
+  const Mesh& mesh = system_.bar().mesh();
+  const Bar& bar = system_.bar().bar();
+  std::vector<double> stiffness(mesh.nodes()), drag(mesh.nodes());
+  double change = 0.0;
+  for (std::size_t j = 0; j < mesh.nodes(); ++j) {
+    const auto rate = [&](const SpaceFunction& f) { return f ? f(mesh.node(j)) : 0.0; };
+    const SideResistance given = direction.data.side.value_or(SideResistance{});
+    stiffness[j] = rate(given.stiffness) + stretched * own->stiffness(j);
+    drag[j] = rate(given.drag) + stretched * own->drag(j);
+    change = std::max(change, std::abs(stiffness[j]) * bar.length * bar.length / bar.modulus +
+                                  std::abs(drag[j]) * bar.length / std::sqrt(bar.modulus * bar.density));
+  }
+  relative_change_ += change;
+  side_ = own->with(std::move(stiffness), std::move(drag));
 }
 
 double Derivative::relative_scale(double end) const {
@@ -160,6 +185,21 @@ double Derivative::lift_stress(const Lift& lift, const Lift& rate) const {
   return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
 }
 
+auto Derivative::placed(std::span<const double> u) const {
+  return [this, of = system_.bar().displacement_at_nodes(u)](std::size_t j) {
+    const BarSystem& bar = system_.bar();
+    const std::size_t i = j - bar.first_node();
+    return of(j) + (i < bar.size() ? system_.origin_at(i) : 0.0) + lift_[0].at(bar.mesh().node(j) / bar.mesh().length);
+  };
+}
+
+auto Derivative::moving(std::span<const double> w) const {
+  return [this, of = system_.bar().at_nodes(w)](std::size_t j) {
+    const Mesh& mesh = system_.bar().mesh();
+    return of(j) + lift_[1].at(mesh.node(j) / mesh.length);
+  };
+}
+
 void Derivative::drive(const Moment& at) {
   if (system_.bar().moving())
     for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
@@ -188,6 +228,7 @@ void Derivative::drive(const Moment& at) {
     const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
+  if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.first_node(), n, added_);
   for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
     const bool right = bar.is_right(node);
     added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(right)) +
@@ -222,6 +263,12 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const double stress = lift_stress(velocity, acceleration);
   if (!bar.left_fixed()) rate.front() += stress;
   if (!bar.right_fixed()) rate.back() -= stress;
+  if (side_) {
+    const auto at = [&bar](const Lift& lift) {
+      return [&bar, lift](std::size_t j) { return lift.at(bar.mesh().node(j) / bar.mesh().length); };
+    };
+    side_->subtract(side_->resistance(at(velocity), at(acceleration)), bar.first_node(), rate.size(), rate);
+  }
   bool massive = inertia_ != 0.0;
   for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
     const bool right = bar.is_right(node);
@@ -272,7 +319,9 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
   const std::size_t element = right ? mesh.elements - 1 : 0;
   const auto strain = [&](std::span<const double> x) { return (x[element + 1] - x[element]) / mesh.element(element); };
   const double stress = modulus_ * strain(bar.u) + viscosity_ * strain(bar.v);
-  return (right ? stress : -stress) + inertia_ * system_.bar().held_inertia(right, bar.a) +
+  const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
+  const double side = side_ ? side_->at_end(right, side_->resistance(at(bar.u), at(bar.v))) : 0.0;
+  return (right ? stress : -stress) + side + inertia_ * system_.bar().held_inertia(right, bar.a) +
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
 }
 
@@ -295,6 +344,12 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   if (bar.moving()) sum += inertia_ * lift_inertia(end, lift_[1]) + viscosity_ * lift_stretch(end, lift_[0]);
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.dashpot * s[end];
+  if (const SideRows* own = bar.side()) {
+    const auto of_s = data_.displacement_at_nodes(s);
+    sum += own->at_end(bar.is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
+  }
+  if (side_)
+    sum += side_->at_end(bar.is_right(end), [&, u = placed(at.u)](std::size_t j) { return side_->drag(j) * u(j); });
   for (const Mount& mount : mounts_)
     if (mount.unknown == end)
       sum += mount.dashpot * displacement(end, at.u) + mount.mass * (at.w[end] + lift_[1].of(bar.is_right(end)));
@@ -315,7 +370,8 @@ double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<co
   const BarSystem& bar = system_.bar();
   const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, system_.origin(), bar), s[end],
                                  stretch(end, s, {}, data_));
-  return sum + (bar.moving() ? modulus_ * lift_stretch(end, lift_[0]) : 0.0) - (motion_.load(end, at.t) - added_[end]);
+  return sum + side_row(end, placed(at.u), data_.displacement_at_nodes(s)) +
+         (bar.moving() ? modulus_ * lift_stretch(end, lift_[0]) : 0.0) - (motion_.load(end, at.t) - added_[end]);
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {
@@ -342,6 +398,9 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
     const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
     sum += (bar.bar().modulus * strain * of_strain + 0.5 * modulus_ * strain * strain) / mesh.element(j);
   }
+  const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
+  if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));
+  if (side_) sum += side_->energy(nodal(u));
   const auto end = [&](const Mount& mount) { return mount.unknown + bar.first_node(); };
   for (const Mount& mount : bar.mounts()) sum += mount.stiffness * u[end(mount)] * of_u[end(mount)];
   for (const Mount& mount : mounts_)

@@ -85,9 +85,10 @@ class MomentBuilder {
 ///     -(E' - E L'/L) K u - (eta' - eta L'/L) K v - (rho'/rho + L'/L) rho M a + sum_i sigma_i (k_i' d_i + b_i' d_i')
 ///     e_i.
 ///
-/// and at an end with a spring, a dashpot or a mass -(k' u + c' v + (m' - (rho'/rho + L'/L) m) a), for m is in M, and
-/// does not go like rho L. Where a frame moves with the ends (see BarSystem), u, v and
-/// a in the added force are those of the bar itself, lift included, and s is measured in the frame of d lift / dp.
+/// with -M ((k' + k L'/L) u + (c' + c L'/L) v) of a side that resists, and at an end with a spring, a dashpot or a mass
+/// -(k' u + c' v + (m' - (rho'/rho + L'/L) m) a), for m is in M, and does not go like rho L. Where a frame moves with
+/// the ends (see BarSystem), u, v and a in the added force are those of the bar itself, lift included, and s is
+/// measured in the frame of d lift / dp.
 ///
 /// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) So it is a
 /// PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
@@ -114,8 +115,9 @@ class Derivative {
     double inertia;                 ///< of rho M, relative to it
     double viscosity, modulus;      ///< of eta K and of E K: so many times K
     std::span<const Mount> mounts;  ///< of springs, dashpots and, as above, masses
+    const SideRows* side;           ///< k' + k L'/L and c' + c L'/L; null: none
   };
-  MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_}; }
+  MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_, side_ ? &*side_ : nullptr}; }
   /// True if s has a load, or the frame an added force, that depends on time.
   bool load_varies() const { return motion_.load_varies() || (driven_ && system_.bar().moving()); }
   /// Sets the added force for the state of the bar. O(n)
@@ -145,6 +147,14 @@ class Derivative {
   /// The part of the latter that is linear in (u, s), by their values in the row and their differences to the row
   /// beside.
   double elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const;
+  /// The part of it that is the side's, of values u(j) and s(j) at all nodes.
+  double side_row(std::size_t end, auto&& u, auto&& s) const {
+    const SideRows* own = system_.bar().side();
+    if (!own) return 0.0;
+    const bool right = system_.bar().is_right(end);
+    const double sum = own->at_end(right, [&](std::size_t j) { return own->stiffness(j) * s(j); });
+    return side_ ? sum + side_->at_end(right, [&](std::size_t j) { return side_->stiffness(j) * u(j); }) : sum;
+  }
   /// Displacements and velocities of the bar itself, at all nodes.
   void expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
               std::span<double> v) const;
@@ -155,8 +165,11 @@ class Derivative {
   struct LawRates {
     double stiffness, damping;
   };
+  void take_side(const Direction& direction, double stretched);
   void add_frame();
   // Terms of the frame, by the end's entry among the unknowns.
+  auto placed(std::span<const double> u) const;  // the displacement of the bar itself at a node
+  auto moving(std::span<const double> w) const;  // likewise its velocity
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
   double lift_stretch(std::size_t end, const Lift& lift) const;
   double lift_stress(const Lift& lift, const Lift& rate) const;
@@ -171,6 +184,7 @@ class Derivative {
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
   std::vector<Mount> mounts_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
+  std::optional<SideRows> side_;
   std::vector<double> added_;
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last

@@ -1,5 +1,6 @@
 // Nodes of a PenalisedSystem that follow their neighbours: those without mass, and those that rest on a stiff spring.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dynamics/penalised_system.hpp"
@@ -138,6 +139,24 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     if (mount.unknown != i) continue;
     row.rate += mount.stiffness, damping += mount.dashpot;
     row.constant -= mount.stiffness * origin_at(i);
+  }
+  if (const SideRows* side = bar_.side()) {
+    const auto entry = [&](std::size_t column) {
+      std::array<double, 1> out{};
+      side->subtract([column](std::size_t j) { return j == column ? -1.0 : 0.0; }, node, 1, out);
+      return out[0];
+    };
+    const auto pull = [&](std::size_t j, double u) { row.constant -= entry(j) * side->stiffness(j) * u; };
+    row.rate += entry(node) * side->stiffness(node), damping += entry(node) * side->drag(node);
+    pull(node, origin_at(i));
+    if (i == 0 && node > 0) pull(0, *bar_.left_displacement());
+    if (i + 1 == size() && node < mesh.elements) pull(mesh.elements, *bar_.right_displacement());
+    for (std::size_t n = 0; n < row.count; ++n) {
+      RelaxingRow::Neighbour& beside = row.neighbours[n];
+      const std::size_t j = beside.unknown + bar_.first_node();
+      beside.u_share -= entry(j) * side->stiffness(j), beside.w_share -= entry(j) * side->drag(j);
+      pull(j, origin_at(beside.unknown));
+    }
   }
   row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
   const double scale = 1.0 / std::max(damping, row.rate / (1e3 * rates_[contact_index]));

@@ -61,6 +61,8 @@ JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
   if (bar.mass() != Mass::fourth_order || bar.mesh().elements < fewest_elements ||
       std::ranges::any_of(bar.contacts(), spans))
     return;
+  // Springs along the bar that the mesh does not resolve give its long waves the frequencies of short ones.
+  if (bar.side() && h * h * bar.side()->largest_stiffness() > 0.1 * material.modulus) return;
   for (const Mount& mount : bar.mounts())
     if (mount.dashpot >= 0.5 * impedance) deaf_[bar.is_right(mount.unknown)] = true;
   if (!(deaf_[0] && deaf_[1])) share_ = std::pow(std::max(0.0, 1.0 - 2.0 * viscous * viscous), 4);
@@ -105,12 +107,18 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
   for (double& force : out) force *= bar_.bar().modulus;
   for (const Mount& mount : bar_.mounts())
     out[mount.unknown] += (mount.stiffness + added_.stiffness[bar_.is_right(mount.unknown)]) * x[mount.unknown];
+  if (const SideRows* side = bar_.side())
+    side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.at_nodes(x)(j); }, bar_.first_node(),
+                   bar_.size(), out);
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().viscosity;
   for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.dashpot * x[mount.unknown];
+  if (const SideRows* side = bar_.side())
+    side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.at_nodes(x)(j); }, bar_.first_node(), bar_.size(),
+                   out);
 }
 
 // True if what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
@@ -240,6 +248,10 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     if (factor == 0.0 || of.empty()) continue;
     stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
     for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
+  }
+  if (rates.side) {
+    const auto at = [this](std::span<const double> of) { return bar_.at_nodes(of); };
+    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.first_node(), force.size(), force);
   }
   for (const auto& [node, stiffness, dashpot, mass] : rates.mounts)
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);

@@ -178,6 +178,11 @@ void LoadVector::add_inputs(double t) {
     const auto& [left, right] = system_.lift_inertia_;
     for (std::size_t i = 0; i < weighted_.size(); ++i)
       weighted_[i] -= acceleration.left * left[i] + acceleration.right * right[i];
+    if (system_.side_) {
+      const Lift displacement = lift(t, 0), velocity = lift(t, 1);
+      for (std::size_t i = 0; i < weighted_.size(); ++i)
+        weighted_[i] += system_.side_lift_force(displacement, velocity, i);
+    }
   }
   if (!system_.left_fixed()) weighted_.front() += forces[0];
   if (!system_.right_fixed()) weighted_.back() += forces[1];
@@ -194,6 +199,7 @@ double LoadVector::at(double t, std::size_t unknown) const {
     sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
   }
   if (!system_.moving()) return sum;
+  if (system_.side_) sum += system_.side_lift_force(lift(t, 0), lift(t, 1), unknown);
   const Lift acceleration = lift(t, 2);
   return sum - (acceleration.left * system_.lift_inertia_[0][unknown] +
                 acceleration.right * system_.lift_inertia_[1][unknown]);

@@ -61,7 +61,24 @@ void BarSystem::enter_frame() {
     whole_inertia_.multiply(share, product);
     const auto of_unknowns = std::span(product).subspan(first_node(), size());
     lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
+    if (!side_) continue;
+    auto& [of_stiffness, of_drag] = lift_side_;
+    of_stiffness[right].assign(size(), 0.0), of_drag[right].assign(size(), 0.0);
+    side_->subtract([&](std::size_t j) { return side_->stiffness(j) * share[j]; }, first_node(), size(),
+                    of_stiffness[right]);
+    side_->subtract([&](std::size_t j) { return side_->drag(j) * share[j]; }, first_node(), size(), of_drag[right]);
   }
+}
+
+void BarSystem::take_side(const BarSystem& of) {
+  side_ = of.side_;
+  if (moving()) enter_frame();
+}
+
+double BarSystem::side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const {
+  const auto& [of_stiffness, of_drag] = lift_side_;
+  return lift.left * of_stiffness[0][unknown] + lift.right * of_stiffness[1][unknown] +
+         rate.left * of_drag[0][unknown] + rate.right * of_drag[1][unknown];
 }
 
 Lift BarSystem::lift(double t, int derivative) const {
@@ -161,6 +178,7 @@ BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const dou
     const double at = u[mount.unknown + first_node()];
     energy.elastic += 0.5 * mount.stiffness * at * at;
   }
+  if (side_) energy.elastic += side_->energy([u](std::size_t j) { return u[j]; });
   return energy;
 }
 

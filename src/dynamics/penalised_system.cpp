@@ -116,7 +116,9 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
   if (follows(i)) return {neighbour(node)};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
-  if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + (node == 0 ? 2 : node - 2));
+  const std::size_t beyond = node == 0 ? 2 : node - 2;
+  if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + beyond);
+  if (collides(i) && bar_.inertia().end_rows && bar_.side()) entries.push_back(beyond);
   return entries;
 }
 
@@ -134,6 +136,18 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   const std::array<double, 2> inertia = inertia_beside(node);
   for (std::size_t k = 0; k < inertia.size(); ++k)
     weights.rates[k] = -sign * bar_.spacing_at(node) / bar.modulus * inertia[k];
+  const SideRows* side = bar_.side();
+  if (!side) return weights;
+  // The row of the side, but for the node itself.
+  weights.sided = true;
+  const bool right = bar_.is_right(node);
+  const std::array<double, 3> row = side->end_row(right);
+  const auto share = [&](std::size_t k, bool drag) {
+    const std::size_t j = right ? bar_.mesh().elements - k : k;
+    return -sign * bar_.spacing_at(node) / bar.modulus * row[k] * (drag ? side->drag(j) : side->stiffness(j));
+  };
+  weights.values[1] += share(1, false), weights.values[2] += share(1, true);
+  if (bar_.inertia().end_rows) weights.values[3] = share(2, true), weights.values[4] = share(2, false);
   return weights;
 }
 
@@ -154,6 +168,16 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   for (const Mount& mount : bar_.mounts())
     if (mount.unknown == node)
       neighbours += mount.stiffness * contact(i).gap * bar_.spacing_at(node) / bar_.bar().modulus;
+  if (const SideRows* side = bar_.side(); side && collides(i)) {
+    const auto resting = [&](std::size_t j) {
+      const std::size_t unknown = j - bar_.first_node();
+      if (unknown == node) return -contact(i).sign * contact(i).gap * side->stiffness(j);
+      const bool fixed = j < bar_.first_node() || unknown >= size();
+      return side->stiffness(j) * (fixed ? bar_.wall(j > 0).value() : origin_at(unknown));
+    };
+    neighbours -=
+        contact(i).sign * bar_.spacing_at(node) / bar_.bar().modulus * side->at_end(bar_.is_right(node), resting);
+  }
   if (!load_) return neighbours;
   return neighbours + contact(i).sign * load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
@@ -374,13 +398,21 @@ double PenalisedSystem::change_frame(const BarSystem& to, double t, std::span<do
   return frame_energy(to, t, u, w) - before;
 }
 
-PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> w,
+PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w,
                                                      std::span<const double> a) const {
-  const double of_frame = bar_.moving()
-                              ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.left_fixed() ? 0.0 : w.front(),
-                                                    bar_.right_fixed() ? 0.0 : w.back(), a)
-                              : 0.0;
-  return {bar_.end_power(w, a) + of_frame, of_frame};
+  double of_frame = bar_.moving() ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.left_fixed() ? 0.0 : w.front(),
+                                                        bar_.right_fixed() ? 0.0 : w.back(), a)
+                                  : 0.0;
+  double own = bar_.end_power(w, a);
+  if (const SideRows* side = bar_.side(); side && side->has_row_power()) {
+    const auto placed = [this, of = bar_.displacement_at_nodes(u), first = bar_.first_node()](std::size_t j) {
+      const bool unknown = !origin_.empty() && j >= first && j - first < origin_.size();
+      return unknown ? of(j) + origin_[j - first] : of(j);
+    };
+    own += side->row_power(bar_.at_nodes(w), placed);
+    if (bar_.moving()) of_frame += bar_.side_lift_power(lift(t, 0), lift(t, 1), bar_.at_nodes(w), placed);
+  }
+  return {own + of_frame, of_frame};
 }
 
 double PenalisedSystem::load_power(double t, std::span<const double> w) {

@@ -79,14 +79,16 @@ class PenalisedSystem {
   /// Weights in p of the values of those entries, in their order, and where it needs_rates() of the rates of the
   /// last two.
   struct IndicatorWeights {
-    std::array<double, 3> values{};
-    std::array<double, 2> rates{};
+    std::array<double, 5> values{};  ///< beyond the third only with a side that resists
+    std::array<double, 3> rates{};
+    bool sided = false;
     bool alone = true;                            ///< the first value is all that it takes
     std::optional<double> offset = std::nullopt;  ///< the rest, where it is the same at all times
 
     double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
       if (alone) return values[0] * entries[0];
       double sum = values[1] * entries[1] + values[2] * entries[2];
+      for (std::size_t k = 3; sided && k < entries.size(); ++k) sum += values[k] * entries[k];
       for (std::size_t k = 2; k < of_entries.size(); ++k) sum += rates[k - 2] * of_entries[k];
       return sum;
     }
@@ -244,7 +246,7 @@ class PenalisedSystem {
   double frame_energy(double t, std::span<const double> u, std::span<const double> w) const;
   /// Makes the state that of another frame, by BarSystem::change_frame(); returns the increase of frame_energy().
   double change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const;
-  /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2
+  /// eta w.K w + sum c_e w_e^2 + sum b_i w_i^2, and that of drag along the bar.
   double dissipated_power(std::span<const double> w) const {
     return dissipated_power([w](std::size_t i) { return w[i]; }, bar_.damped() ? bar_.squared_strain_rate(w) : 0.0);
   }
@@ -256,6 +258,12 @@ class PenalisedSystem {
     if (dashpots_)
       for (std::size_t i = 0; i < laws_.size(); ++i)
         if (closed(i)) power += laws_[i].damping * w(contact(i).unknown) * w(contact(i).unknown);
+    if (const SideRows* side = bar_.side(); side && side->has_drag()) {
+      const Values still = power - power;
+      power += side->drag_power([&, first = bar_.first_node()](std::size_t j) -> Values {
+        return j < first || j - first >= size() ? still : w(j - first);
+      });
+    }
     return power;
   }
   /// Contribution of a frame that moves (see BarSystem::lift_loss).
@@ -266,16 +274,18 @@ class PenalisedSystem {
   double load_power(double t, std::span<const double> w);
   std::span<const double> nodal_load(double t) { return load_->at(t); }  ///< M f(t), where loaded()
   /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of all unknowns or of three at
-  /// either end (end_values()), and what of it is the frame's, which what moves the frame does. Where a is that of
-  /// F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long flight: the derivative
-  /// of the same w has not.
+  /// either end (end_values()), with that of SideRows, and what of it is the frame's, which what moves the frame does.
+  /// Where a is that of F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long
+  /// flight: the derivative of the same w has not.
   struct EndPower {
     double all, of_frame;
   };
-  EndPower end_power(double t, std::span<const double> w, std::span<const double> a) const;
+  EndPower end_power(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) const;
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
-  /// By those, a mount's dashpot, or impacts.
-  bool takes_energy() const { return dissipates() || collides_ || bar_.has_dashpots(); }
+  /// By those, a mount's dashpot, drag along the bar, or impacts.
+  bool takes_energy() const {
+    return dissipates() || collides_ || bar_.has_dashpots() || (bar_.side() && bar_.side()->has_drag());
+  }
   bool loaded() const { return load_.has_value(); }               ///< f is not zero
   bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
 

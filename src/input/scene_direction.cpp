@@ -101,12 +101,19 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     throw std::invalid_argument(fmt::format("{}: [parameters] has no such name{}", key,
                                             nearest ? fmt::format("; nearest is \"{}\"", *nearest) : ""));
   }
+  if (key.starts_with("side."))
+    if (const auto formula = entries.formula(key); formula && !formula->is_constant())
+      throw std::invalid_argument(fmt::format(
+          "{}: no sensitivity with respect to it: it varies along the bar; give a number in it a name below "
+          "[parameters], and take parameters.NAME",
+          key));
   Direction along = direction(run, parameter ? "bar.density" : key);
   if (!parameter && !length) return along;
   along.key = key;
   if (parameter) along.bar.density = 0.0;
-  for (const char* name : {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history",
-                           "left.force", "right.force", "left.motion", "right.motion", "left.gap", "right.gap"})
+  for (const char* name :
+       {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history", "left.force",
+        "right.force", "left.motion", "right.motion", "left.gap", "right.gap", "side.stiffness", "side.drag"})
     if (const auto formula = entries.formula(name); formula && formula->moves_jump(by))
       throw std::invalid_argument(
           fmt::format("{}: a condition in {} depends on {}, and a jump that moves has no derivative", key, name, by));
@@ -117,6 +124,13 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   along.data.displacement_places = run.scene.displacement_places;
   along.data.velocity_places = run.scene.velocity_places;
   along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
+  along.data.side.reset();
+  const auto rate_of_side = [&](const char* name) -> SpaceFunction {
+    const auto formula = entries.formula(name);
+    return run.scene.side && formula && formula->derivative(by) ? rate_of_x(*formula, by, size) : nullptr;
+  };
+  if (SideResistance rates{rate_of_side("side.stiffness"), rate_of_side("side.drag")}; rates.stiffness || rates.drag)
+    along.data.side = std::move(rates);
   if (parameter) {
     add_rates_of_end(entries, "left", run.scene.left_input, by, along.data.left, along.data.left_input);
     add_rates_of_end(entries, "right", run.scene.right_input, by, along.data.right, along.data.right_input);

@@ -81,6 +81,17 @@ std::optional<Load> load_of(const SceneEntries& entries, double length) {
   return SeparableLoad{profile->of_x(), history->of_t(), history->breaks_and_pulses(0.0), profile->places(length)};
 }
 
+// Nothing of a resistance that is zero.
+std::optional<SideResistance> resistance_of(const SceneEntries& entries) {
+  const auto function = [&](const char* key) {
+    const auto formula = entries.formula(key);
+    return formula && !formula->is_zero() ? formula->of_x() : SpaceFunction{};
+  };
+  SideResistance side{function("side.stiffness"), function("side.drag")};
+  if (!side.stiffness && !side.drag) return std::nullopt;
+  return side;
+}
+
 OutputFiles files_of(const SceneEntries& entries) {
   if (!entries.sound("output.write")) return {};
   const auto words = entries.list("output.write");
@@ -114,6 +125,7 @@ Case case_of(SceneEntries& entries) {
   scene.displacement_places = places("initial.displacement");
   scene.velocity_places = places("initial.velocity");
   scene.load = load_of(entries, run.scene.bar.length);
+  scene.side = resistance_of(entries);
   scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
                  text("units.stress")};
 
@@ -181,6 +193,12 @@ void check_load_keys(SceneEntries& entries) {
     entries.report("load.density", "is missing: a load has a density, or a profile and a history");
   else if (profile != history)
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
+}
+
+void check_side_keys(SceneEntries& entries) {
+  if (!entries.has_table("side") || entries.present("side.stiffness") || entries.present("side.drag")) return;
+  if (!entries.faulty("side.stiffness") && !entries.faulty("side.drag"))
+    entries.report("side.stiffness", "is missing: what resists along the bar has a stiffness, a drag, or both");
 }
 
 // faults() asks this of the initial data; a load is not looked at before a run.
@@ -337,6 +355,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_end(entries, "left");
     check_end(entries, "right");
     check_load_keys(entries);
+    check_side_keys(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);
     scene.accuracy = accuracy_of(entries, setup);

@@ -89,6 +89,9 @@ constexpr SceneKey rows[] = {
     {"load.profile", formula, optional, "", "\"cos(2*x)\"", "stress / length", "f = profile history, instead of the density: evaluated once per node", {}, {}, "x"},
     {"load.history", formula, optional, "", "\"sin(t*sqrt(2))\"", "1", "f = profile history: evaluated once per step", {}, {}, "t"},
 
+    {"side.stiffness", formula, optional, "", "3.0", "stress / length / length", "k, springs to the ground along the whole bar, a force -k u per volume, at rest at u = 0; a number or a formula in x", not_negative, {}, "x"},
+    {"side.drag", formula, optional, "", "0.5", "stress x time / length / length", "c, drag along the whole bar, a force -c u_t per volume; a number or a formula in x", not_negative, {}, "x"},
+
     {"time.end", number, required, "", "6.0", "time", "T, the end of the run, which begins at t = 0", positive},
 
     {"mesh.elements", count, optional, "", "27", "1", "number of elements of equal length; absent: 100", {1.0, 1e8, "1 to 1e8"}},
@@ -136,9 +139,9 @@ constexpr SceneKey end_rows[] = {
 };
 // clang-format on
 
-constexpr std::string_view tables[] = {"bar",      "left",       "right",       "span",    "initial",
-                                       "load",     "time",       "mesh",        "contact", "method",
-                                       "accuracy", "parameters", "sensitivity", "units",   "output"};
+constexpr std::string_view tables[] = {"bar",        "left",        "right", "span",    "initial", "load",
+                                       "side",       "time",        "mesh",  "contact", "method",  "accuracy",
+                                       "parameters", "sensitivity", "units", "output"};
 
 constexpr std::string_view any_parameter = "parameters.NAME";
 

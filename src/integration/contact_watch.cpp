@@ -112,9 +112,9 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
   span_.select(positions);
 }
 
-inline std::array<double, 5> ContactWatch::values_of(const End& end, std::span<const double> u,
+inline std::array<double, 6> ContactWatch::values_of(const End& end, std::span<const double> u,
                                                      std::span<const double> w) {
-  std::array<double, 5> values{};
+  std::array<double, 6> values{};
   for (std::size_t k = 0; k < end.entries.size(); ++k) {
     const std::size_t entry = end.entries[k];
     values[k] = entry < u.size() ? u[entry] : w[entry - u.size()];
@@ -133,7 +133,7 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
     return end.follows || std::ranges::any_of(end.contacts, holds);
   });
   for (End& end : ends_) {
-    const std::array<double, 5> values = values_of(end, u, w);
+    const std::array<double, 6> values = values_of(end, u, w);
     const double now = displacement(end, t, values);
     end.account->displacement = now;
     end.account->lowest = std::min(end.account->lowest, now);
@@ -214,7 +214,7 @@ void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
       end.u[j] = displacement(end, t, end.entries.empty() ? y.first(0) : y.subspan(*first, 1));
       continue;
     }
-    std::array<double, 5> values{};
+    std::array<double, 6> values{};
     for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[first[e]];
     look_at(end, j, t, values);
   }
@@ -306,7 +306,10 @@ void ContactWatch::watch(EndAccount& account, bool right) {
         return system_.law(i).damping > 0.0 || system_.holds(i);
       }))
     end.entries.resize(2);
-  if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + (unknown == 0 ? 2 : unknown - 2));
+  end.sided = bar_.side() && !massless && !end.contacts.empty();
+  const std::size_t beyond = unknown == 0 ? 2 : unknown - 2;
+  if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + beyond);
+  if (inertia.end_rows && end.sided) end.entries.push_back(beyond);
 }
 
 inline bool ContactWatch::closed(const End& end) const {
@@ -349,7 +352,8 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
     if (end.follows)
       sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
     else if (system_.holds(i))
-      sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
+      sum += (end.sided ? side_row(end, y) : 0.0) -
+             contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
     else
       sum -= contact.sign * system_.law(i).stiffness * (contact.sign * y[0] + contact.clearance(end.origin)) +
              system_.law(i).damping * y[2];
@@ -360,7 +364,21 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
 // Rate of the impulse, beside what is stored.
 inline double ContactWatch::rate(const End& end, double t, std::span<const double> y) const {
   if (end.direct) return reaction(end, t, y);
-  return end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - system_.load_alone(end.unknown, t);
+  const double side = end.sided ? side_row(end, y) : 0.0;
+  return side + end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - system_.load_alone(end.unknown, t);
+}
+
+// (M (k u + c w))_e
+inline double ContactWatch::side_row(const End& end, std::span<const double> y) const {
+  const SideRows& side = *bar_.side();
+  const std::size_t last = bar_.mesh().elements;
+  return side.at_end(end.right, [&](std::size_t j) {
+    const std::size_t away = end.right ? last - j : j;
+    if (away == 0) return side.stiffness(j) * (y[0] + end.origin) + side.drag(j) * y[2];
+    if (away == 1 && !end.next) return side.stiffness(j) * end.wall;
+    if (away == 1) return side.stiffness(j) * (y[1] + end.origin_next) + side.drag(j) * y[3];
+    return side.stiffness(j) * (y[5] + end.origin_beyond) + side.drag(j) * y[4];
+  });
 }
 
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {

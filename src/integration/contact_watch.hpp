@@ -88,6 +88,7 @@ class ContactWatch {
     for (End& end : ends_) {
       end.origin = origin[end.unknown];
       if (end.next) end.origin_next = origin[*end.next];
+      if (end.entries.size() > 5) end.origin_beyond = origin[end.entries[5]];
     }
   }
 
@@ -143,8 +144,9 @@ class ContactWatch {
   void pass_kink(std::span<const double> change) {
     for (End& end : ends_) {
       if (end.direct || end.contacts.empty()) continue;
-      std::array<double, 5> values{};
-      for (std::size_t k = 2; k < end.entries.size(); ++k) values[k] = change[end.entries[k] - change.size()];
+      std::array<double, 6> values{};
+      for (std::size_t k = 2; k < std::min<std::size_t>(5, end.entries.size()); ++k)
+        values[k] = change[end.entries[k] - change.size()];
       end.stored += momentum(end, values);
     }
   }
@@ -171,10 +173,11 @@ class ContactWatch {
     double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
     double stiffness = 0.0, dashpot = 0.0;            // of its mount
     double mass = 0.0, coupling = 0.0, beyond = 0.0;  // of its row of rho M, which an end row takes one further
+    bool sided = false;                               // whether its row has resistance along the bar
     // None of one that is fixed in a moving frame; u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w
-    // beyond.
+    // beyond, with a side that resists the u there, too.
     std::vector<std::size_t> entries{};
-    double origin = 0.0, origin_next = 0.0, stored = 0.0, stored_now = 0.0;
+    double origin = 0.0, origin_next = 0.0, origin_beyond = 0.0, stored = 0.0, stored_now = 0.0;
     Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
     Samples momentum{};            // of its row, where inertia has a share in the force
 
@@ -185,7 +188,7 @@ class ContactWatch {
 
   void watch(EndAccount& account, bool right);
   // Values of its entries.
-  static std::array<double, 5> values_of(const End& end, std::span<const double> u, std::span<const double> w);
+  static std::array<double, 6> values_of(const End& end, std::span<const double> u, std::span<const double> w);
   void add_extremes(End& end);
   // Added to displacements in the frame it gives those of the bar.
   double lift(const End& end, double t) const { return bar_.moving() ? bar_.lift(t, 0).of(end.right) : 0.0; }
@@ -200,6 +203,7 @@ class ContactWatch {
   }
   double stored(const End& end, std::span<const double> y) const;
   double pull(const End& end, double t, double u, double w, std::size_t i) const;
+  double side_row(const End& end, std::span<const double> y) const;
   double displacement(const End& end, double t, std::span<const double> y) const;
   double rate(const End& end, double t, std::span<const double> y) const;
   void add_rates(double weight, double t, std::span<const double> y);
@@ -207,7 +211,7 @@ class ContactWatch {
   void each_shut(std::span<const double> y, auto&& use) {
     const std::size_t* first = positions_.data();
     for (End& end : ends_) {
-      std::array<double, 5> values{};
+      std::array<double, 6> values{};
       for (std::size_t e = 0; end.shut && e < end.entries.size(); ++e) values[e] = y[first[e]];
       if (end.shut) use(end, values);
       first += end.entries.size();

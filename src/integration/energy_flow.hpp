@@ -24,7 +24,7 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
   if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
   if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
   if (layout.end_inertia) {
-    const auto [all, of_frame] = system.end_power(t, w, accelerations(t));
+    const auto [all, of_frame] = system.end_power(t, layout.u(y), w, accelerations(t));
     flow[*layout.end_inertia - first] = all;
     if (layout.work) flow[*layout.work - first] += of_frame;
   }

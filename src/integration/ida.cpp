@@ -49,14 +49,15 @@ void solve_step(Leg& leg, std::span<double> correction) {
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
   for (std::size_t i = 0; i < leg.acceleration.size(); ++i) leg.acceleration[i] = w_rate[i] + cj * x_w[i];
-  leg.account_rates(t, leg.field, leg.acceleration, correction);
+  for (std::size_t i = 0; i < leg.new_u.size(); ++i) leg.new_u[i] = u[i] + x_u[i];
+  leg.account_rates(t, leg.new_u, leg.field, leg.acceleration, correction);
   leg.account_correction = 0.0;
   for (std::size_t k = 2 * n; k < layout.first_derivative; ++k) {
     correction[k] = (correction[k] - u_rate[k]) / cj;
     leg.account_correction = std::max(leg.account_correction, std::abs(correction[k]));
   }
   if (leg.derivatives.empty()) return;
-  for (std::size_t i = 0; i < n; ++i) leg.new_u[i] = u[i] + x_u[i], leg.new_w[i] = u_rate[i] + cj * x_u[i];
+  for (std::size_t i = 0; i < n; ++i) leg.new_w[i] = u_rate[i] + cj * x_u[i];
   const Moment at = (*leg.moment)(t, leg.new_u, leg.new_w, leg.acceleration);
   for (std::size_t k = 0; k < leg.derivatives.size(); ++k) {
     Derivative& derivative = *leg.derivatives[k];

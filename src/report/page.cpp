@@ -62,11 +62,12 @@ std::string model_html(const Scene& scene) {
   if (scene.load)
     load = std::holds_alternative<SteadyLoad>(*scene.load) ? "<i>f</i>(<i>x</i>)" : "<i>f</i>(<i>x</i>, <i>t</i>)";
   std::string text = fmt::format(
-      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, "
+      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{}{}{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, "
       "<i>E</i> = {}{}. "
       "Left end {}; right end {}",
-      damped ? " − <i>η u<sub>xxt</sub></i>" : "", load, readable(bar.length), readable(bar.density),
-      readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "",
+      damped ? " − <i>η u<sub>xxt</sub></i>" : "", scene.side && scene.side->stiffness ? " + <i>k u</i>" : "",
+      scene.side && scene.side->drag ? " + <i>c u<sub>t</sub></i>" : "", load, readable(bar.length),
+      readable(bar.density), readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "",
       end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
   for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",

@@ -54,6 +54,30 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
   return text;
 }
 
+std::string side_text(const Scene& scene) {
+  const auto range = [&](const SpaceFunction& f, auto&& of) {
+    constexpr int places = 200;
+    double least = of(f(0.0)), most = least;
+    for (int j = 1; j <= places; ++j) {
+      const double value = of(f(scene.bar.length * j / places));
+      least = std::min(least, value), most = std::max(most, value);
+    }
+    return least == most ? fmt::format("{:.4g}", most) : fmt::format("{:.4g} to {:.4g}", least, most);
+  };
+  if (!scene.side) return "none";
+  const auto& [stiffness, drag] = *scene.side;
+  const double rho = scene.bar.density;
+  const auto value = [](double x) { return x; };
+  std::string text;
+  if (stiffness)
+    text = fmt::format("springs k = {}, frequency sqrt(k/rho) = {}", range(stiffness, value),
+                       range(stiffness, [rho](double k) { return std::sqrt(k / rho); }));
+  if (drag)
+    text += fmt::format("{}drag c = {}, decay c/(2 rho) = {}", text.empty() ? "" : "; ", range(drag, value),
+                        range(drag, [rho](double c) { return c / (2.0 * rho); }));
+  return text;
+}
+
 std::string contact_kind(const Setup& setup) {
   const Case& run = setup.run;
   if (is_penalised(run.method))
@@ -223,6 +247,7 @@ std::string check_json(const SceneCheck& check) {
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(check.setup))}};
+  if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))
     if (const auto words = inputs_text(system.bar(), end.condition, end.input); !words.empty())
       json["terms"][end.name] = words;

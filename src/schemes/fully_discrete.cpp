@@ -447,8 +447,28 @@ class Run {
       const double taken_by_rows = dt * step_->end_power();
       energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
     }
+    if (system_.side()) account_side(*system_.side());
     energy.notice(energy.dissipated, energy.work);
     if (!contacts.empty()) watch_growth(taken);
+  }
+
+  // Of v^n and the mean of u^{n+1} and u^{n-1}.
+  void account_side(const SideRows& side) {
+    const double dt = scheme_.step;
+    EnergyAccount& energy = *statistics_.energy;
+    const auto v = step_->velocity_at_nodes();
+    const auto u = step_->displacement_at_nodes();
+    double rows = dt * side.row_power(v, u);
+    if (side.has_drag()) energy.dissipated += dt * side.drag_power(v);
+    if (system_.moving()) {
+      const Lift lift = system_.lift(time(n_), 0, dt), rate = system_.lift(time(n_), 1, dt);
+      const double loss = dt * system_.side_lift_loss(rate, v),
+                   of_frame = dt * system_.side_lift_power(lift, rate, v, u);
+      energy.dissipated += loss;
+      energy.work += loss + of_frame;
+      rows += of_frame;
+    }
+    energy.end_inertia += rows, energy.dissipated += rows;
   }
 
   // Accelerations of the three nodes at either end.

@@ -97,7 +97,7 @@ double LaneBar::stiffness(const BarSystem& system) { return system.bar().modulus
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
-  if (!system_.mesh().uniform()) {
+  if (!rows_alike(system_)) {
     system_.internal_force(u, w, interface);
     for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
     return;

@@ -10,11 +10,14 @@ namespace viscobar {
 
 /// Forces of a uniform bar on its nodes in a LaneOrder: every element's stress is the same function of
 /// the differences between its two nodes, of a row and the next one, or of two nodes at the border of the stretches.
-/// On a graded mesh, where no two elements are alike, the order has no rows and the force is BarSystem's.
+/// On a graded mesh, where no two elements are alike, and with a side that resists the order has no rows and the force
+/// is BarSystem's.
 class LaneBar {
  public:
   LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {}
 
+  /// True if the rows of the bar are alike, and a step can take them side by side.
+  static bool rows_alike(const BarSystem& system) { return system.mesh().uniform() && !system.side(); }
   /// E / h, by which the factor must be scaled: the rows of the force are made per E / h.
   static double stiffness(const BarSystem& system);
 

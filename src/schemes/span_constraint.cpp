@@ -9,7 +9,7 @@ namespace viscobar {
 SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
     : matrix_(matrix),
       split_(matrix),
-      monotone_(!matrix.end_rows &&
+      monotone_(!matrix.end_rows && matrix.skew.empty() &&
                 std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
       active_(matrix.size(), nowhere),
       wanted_(active_) {
@@ -17,8 +17,11 @@ SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
 }
 
 void SpanConstraint::split() {
-  for (std::size_t i = 0; i < split_.off_diagonal.size(); ++i)
-    split_.off_diagonal[i] = active_[i] | active_[i + 1] ? 0.0 : matrix_.off_diagonal[i];
+  for (std::size_t i = 0; i < split_.off_diagonal.size(); ++i) {
+    const bool apart = active_[i] | active_[i + 1];
+    split_.off_diagonal[i] = apart ? 0.0 : matrix_.off_diagonal[i];
+    if (!split_.skew.empty()) split_.skew[i] = apart ? 0.0 : matrix_.skew[i];
+  }
   if (matrix_.end_rows)
     split_.end_rows = matrix_.end_rows->uncoupled(active_.size(), [this](std::size_t i) { return active_[i] != 0; });
   factor_.factorise(split_);
@@ -65,15 +68,14 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> lo
 
 void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::span<double> multiplier) {
   const std::size_t n = matrix_.size();
-  const auto& off = matrix_.off_diagonal;
   for (std::size_t i = 0; i < n; ++i) {
     if (active_[i]) {
       x[i] = bound(i);
       continue;
     }
     x[i] = b[i];
-    if (i > 0 && active_[i - 1]) x[i] -= off[i - 1] * bound(i - 1);
-    if (i + 1 < n && active_[i + 1]) x[i] -= off[i] * bound(i + 1);
+    if (i > 0 && active_[i - 1]) x[i] -= matrix_.below(i - 1) * bound(i - 1);
+    if (i + 1 < n && active_[i + 1]) x[i] -= matrix_.above(i) * bound(i + 1);
   }
   const std::size_t last = n - 1;
   for (std::size_t k = 1; matrix_.end_rows && k < 3; ++k) {
@@ -88,8 +90,8 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::
     multiplier[i] = 0.0;
     if (!active_[i]) continue;
     multiplier[i] = matrix_.diagonal[i] * x[i] - b[i];
-    if (i > 0) multiplier[i] += off[i - 1] * x[i - 1];
-    if (i + 1 < n) multiplier[i] += off[i] * x[i + 1];
+    if (i > 0) multiplier[i] += matrix_.below(i - 1) * x[i - 1];
+    if (i + 1 < n) multiplier[i] += matrix_.above(i) * x[i + 1];
     if (matrix_.end_rows && (i == 0 || i == last)) multiplier[i] += matrix_.end_rows->row_times(i, x);
   }
 }

@@ -37,7 +37,8 @@ SymmetricTridiagonal step_matrix(const BarSystem& system, double dt) {
 }
 
 LaneFactor lane_factor(const BarSystem& system, const SymmetricTridiagonal& matrix) {
-  return system.mesh().uniform() ? LaneFactor(matrix, LaneBar::stiffness(system)) : LaneFactor::without_rows(matrix);
+  return LaneBar::rows_alike(system) ? LaneFactor(matrix, LaneBar::stiffness(system))
+                                     : LaneFactor::without_rows(matrix);
 }
 
 }  // namespace

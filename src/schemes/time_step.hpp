@@ -85,6 +85,20 @@ class TimeStep {
 
   /// After advance(): v^n of a node that is stored at i, an end's at either end.
   double mean_velocity(std::size_t i) const { return p_[i] - dt_ / 2 * a_[i]; }
+  /// After advance(), with a side that resists, where nodes are stored in their order: v^n and the mean of u^{n+1} and
+  /// u^{n-1} at all nodes.
+  auto velocity_at_nodes() const {
+    return [this, first = system_.first_node()](std::size_t j) {
+      return j < first || j - first >= p_.size() ? 0.0 : mean_velocity(j - first);
+    };
+  }
+  auto displacement_at_nodes() const {
+    return [this, first = system_.first_node()](std::size_t j) {
+      if (j < first || j - first >= u_.size()) return *system_.wall(j > 0);
+      return u_[j - first] - dt_ * (p_[j - first] - dt_ / 2 * a_[j - first]);
+    };
+  }
+
   /// After advance(): sum c_e v_e^2 of v^n.
   double dashpot_power() const;
 

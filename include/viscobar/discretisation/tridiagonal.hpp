@@ -53,18 +53,24 @@ std::array<double, 6> end_values(std::size_t n, auto&& at) {
   return values;
 }
 
-/// Tridiagonal matrix A, symmetric but for its end rows: A = T + (end rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i)
-/// = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no end rows: nothing is stored or
-/// multiplied for what is not there.
+/// Tridiagonal matrix A, symmetric but for its end rows and its skew part: A = T + (skew part) + (end rows), T(i,i) =
+/// diagonal[i], T(i,i+1) = T(i+1,i) = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no
+/// end rows and no skew part: nothing is stored or multiplied for what is not there.
 struct SymmetricTridiagonal {
   std::vector<double> diagonal;       ///< n
   std::vector<double> off_diagonal;   ///< n - 1, or empty
   std::optional<EndRows> end_rows{};  ///< of n >= 3 rows with an off_diagonal
+  std::vector<double> skew{};         ///< n - 1, or empty: it is added to A(i,i+1) and taken from A(i+1,i)
 
   std::size_t size() const { return diagonal.size(); }  ///< n
 
   /// A(i,i)
   double diagonal_entry(std::size_t i) const;
+  /// A(i,i+1) and A(i+1,i), without the end rows.
+  double above(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] + skew[i]; }
+  double below(std::size_t i) const {
+    return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i];
+  }  ///< likewise
   /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
   SymmetricTridiagonal& operator*=(double factor);  ///< of all entries
@@ -78,7 +84,7 @@ struct SymmetricTridiagonal {
 
 /// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D
 /// U without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four
-/// more L = U^T.
+/// more L = U^T. With a skew part neither L is the transpose of U.
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
@@ -104,8 +110,10 @@ class TridiagonalFactor {
 
   void factorise_ends(const SymmetricTridiagonal& matrix);
   void substitute_ends(std::span<double> x) const;
+  const double* upper() const { return upper_.empty() ? lower_.data() : upper_.data(); }
 
   std::vector<double> lower_;          // L(i+1,i); empty for a diagonal matrix
+  std::vector<double> upper_;          // U(i,i+1), where it is another one
   std::vector<double> inverse_pivot_;  // 1 / D(i,i)
   std::optional<Ends> ends_;
 };

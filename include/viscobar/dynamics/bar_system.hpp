@@ -16,6 +16,7 @@
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
+#include "viscobar/dynamics/side_rows.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
@@ -86,7 +87,8 @@ struct Mount {
 ///     (rho M + sum over the ends of m_e e_e e_e^T) u'' = F(t, u, u')
 ///         = M f(t) - E K u - eta K u' + sum over the ends of (F_e(t) - k_e u - c_e u') e_e,
 ///
-/// over the nodes that are not fixed, with only the terms that the scene has. Contact constraints are listed, not
+/// less M (k u + c u') of a side that resists (see SideRows), over the nodes that are not fixed, with only the terms
+/// that the scene has. Contact constraints are listed, not
 /// applied: the penalised system and the fully discrete schemes each do that in their way. Below, rho M has the masses
 /// of the ends in it.
 ///
@@ -126,6 +128,20 @@ class BarSystem {
   /// Springs, dashpots and masses at the ends.
   const std::vector<Mount>& mounts() const { return mounts_; }
   bool has_dashpots() const;  ///< whether a mount has one
+  /// Resistance along the bar; null: none.
+  const SideRows* side() const { return side_ ? &*side_ : nullptr; }
+  /// Makes the resistance along the bar that of another system of the same nodes.
+  void take_side(const BarSystem& of);
+  /// The entry x of node j, or of a fixed end `left` or `right`: x_j of a field over the unknowns.
+  auto at_nodes(std::span<const double> x, double left = 0.0, double right = 0.0) const {
+    return [x, left, right, first = first_node()](std::size_t j) {
+      return j < first ? left : j - first < x.size() ? x[j - first] : right;
+    };
+  }
+  /// The same of displacements, fixed ends at theirs.
+  auto displacement_at_nodes(std::span<const double> u) const {
+    return at_nodes(u, walls_[0].value_or(0.0), walls_[1].value_or(0.0));
+  }
 
   /// Force, spring, dashpot, mass and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
@@ -171,7 +187,21 @@ class BarSystem {
   double lift_loss(const Lift& rate, double left, double right) const;
   /// The same of a field.
   double lift_loss(const Lift& rate, std::span<const double> w) const {
-    return lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
+    const double sum = lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
+    return side_ ? sum + side_lift_loss(rate, at_nodes(w)) : sum;
+  }
+  /// That of drag along the bar at velocities w(j) of all nodes.
+  double side_lift_loss(const Lift& rate, auto&& w) const {
+    if (!side_->has_drag()) return 0.0;
+    return side_->drag_power([&](std::size_t j) { return w(j) + rate.at(mesh_.node(j) / mesh_.length); }) -
+           side_->drag_power(w);
+  }
+  /// Contribution of the frame to SideRows::row_power() of w(j) and u(j).
+  double side_lift_power(const Lift& lift, const Lift& rate, auto&& w, auto&& u) const {
+    const auto moved = [this](const Lift& by, const auto& x) {
+      return [this, &by, &x](std::size_t j) { return x(j) + by.at(mesh_.node(j) / mesh_.length); };
+    };
+    return side_->row_power(moved(rate, w), moved(lift, u)) - side_->row_power(w, u);
   }
 
   /// Contribution of the frame to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
@@ -201,7 +231,7 @@ class BarSystem {
 
   /// The force on the bar that holds a fixed end, in the direction of u: what its own row lacks,
   ///
-  ///     (rho M a + E K u + eta K v)_e - load,        load = (M f)_e, e = 0 or J,
+  ///     (rho M a + M (k u + c v) + E K u + eta K v)_e - load,        load = (M f)_e, e = 0 or J,
   ///
   /// u, v, a being those of the bar itself, not in the frame, over all mesh nodes. Of the order of the mass.
   double holding_force(bool right, std::span<const double> u, std::span<const double> v, std::span<const double> a,
@@ -209,14 +239,16 @@ class BarSystem {
   /// (rho M a)_e of a fixed end, a over all mesh nodes.
   double held_inertia(bool right, std::span<const double> a) const;
 
-  /// out = -(E K u + eta K w). Stresses are differences of neighbours, so a rigid motion gives exactly zero.
+  /// out = -(E K u + eta K w) and the forces of mounts and side. Stresses are differences of neighbours, so a rigid
+  /// motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
 
   /// K_ii over the unknowns: the sum of 1/h of the elements beside, 2/h and, at an end that is not fixed, 1/h on a
   /// uniform mesh. Off the diagonal K is -1/h.
   double stiffness_diagonal(std::size_t i) const;
 
-  /// D(m,c,k) = m rho M + (c eta + k E) K over the unknowns, written into `out` (allocates only when `out` grows).
+  /// D(m,c,k) = m rho M + (c eta + k E) K and c, k times those of mounts and side, over the unknowns, written into
+  /// `out` (allocates only when `out` grows).
   void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
 
   /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
@@ -242,12 +274,14 @@ class BarSystem {
     return sum;
   }
 
-  /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2, the contacts' apart.
+  /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2 + SideRows::energy(), the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
   /// True if M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
   /// energy.
-  bool has_end_rows() const { return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows); }
+  bool has_end_rows() const {
+    return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows) || (side_ && side_->has_row_power());
+  }
   /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
   /// the three entries at each end count. Of the frame.
   double end_power(std::span<const double> w, std::span<const double> a) const;
@@ -297,6 +331,8 @@ class BarSystem {
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
+  // What the side makes of the frame's motion at an unknown.
+  double side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
   void add_masses();
   std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;
   void start_from(std::vector<double> moments);
@@ -326,6 +362,8 @@ class BarSystem {
   std::vector<Mount> mounts_;                        // of ends that have one
   SymmetricTridiagonal whole_inertia_;               // of all nodes, where something moves an end
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
+  std::optional<SideRows> side_;
+  std::array<std::array<std::vector<double>, 2>, 2> lift_side_;  // -M k and -M c times those, where both are there
 };
 
 /// M f(t) of a system, its forces on the ends and the frame's part included, with the buffers that its evaluation

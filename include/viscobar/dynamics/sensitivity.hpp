@@ -14,9 +14,9 @@ namespace viscobar {
 struct Direction {
   std::string key;              ///< name of p, such as "bar.viscosity"
   Bar bar{0.0, 0.0, 0.0, 0.0};  ///< derivatives of the bar's constants
-  /// Bar and kinds of ends as those of the scene. Gaps, initial data, load, and what its ends are given are derivatives
-  /// (motions absent where they do not depend on p), the functions of x at a fixed part x / L of the bar; of the load f
-  /// it is d(L f)/dp / L. Breaks are those of the scene's.
+  /// Bar and kinds of ends as those of the scene. Gaps, initial data, load, side, and what its ends are given are
+  /// derivatives (motions absent where they do not depend on p), the functions of x at a fixed part x / L of the bar;
+  /// of the load f it is d(L f)/dp / L. Breaks are those of the scene's.
   Scene data;
   double epsilon = 0.0;      ///< derivative of the penalty's epsilon
   double restitution = 0.0;  ///< of the restitution

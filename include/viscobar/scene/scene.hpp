@@ -134,6 +134,14 @@ struct EndInput {
   double mass = 0.0;                  ///< m >= 0, of a rigid mass on the end, a mass per area of the bar
 };
 
+/// What resists the bar along its whole length, a force -k(x) u - c(x) u_t per volume:
+///
+///     rho u_tt = (E u_x + eta u_xt)_x + f - k u - c u_t.
+struct SideResistance {
+  SpaceFunction stiffness{};  ///< k >= 0, a stress per area of the side; empty: none
+  SpaceFunction drag{};       ///< c >= 0; empty: none
+};
+
 /// Names of the units of a scene, for labels alone: any may be empty.
 struct Units {
   std::string length;  ///< such as "m"
@@ -145,19 +153,20 @@ struct Units {
 
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
 struct Scene {
-  std::string title;             ///< free text, for reports
-  Bar bar;                       ///< geometry and material
-  EndCondition left = Free{};    ///< at x = 0
-  EndCondition right = Free{};   ///< at x = L
-  std::optional<Obstacle> span;  ///< of u(x,t) for every x (section 4 of the paper, figure 3)
-  SpaceFunction displacement;    ///< u_0(x)
-  SpaceFunction velocity;        ///< u_1(x)
-  std::optional<Load> load;      ///< f; absent: none
-  EndInput left_input{};         ///< what the left end is given
-  EndInput right_input{};        ///< likewise the right one
-  Units units;                   ///< of its numbers
-  Places displacement_places{};  ///< of u_0
-  Places velocity_places{};      ///< of u_1
+  std::string title;                     ///< free text, for reports
+  Bar bar;                               ///< geometry and material
+  EndCondition left = Free{};            ///< at x = 0
+  EndCondition right = Free{};           ///< at x = L
+  std::optional<Obstacle> span;          ///< of u(x,t) for every x (section 4 of the paper, figure 3)
+  SpaceFunction displacement;            ///< u_0(x)
+  SpaceFunction velocity;                ///< u_1(x)
+  std::optional<Load> load;              ///< f; absent: none
+  std::optional<SideResistance> side{};  ///< k and c; absent: none
+  EndInput left_input{};                 ///< what the left end is given
+  EndInput right_input{};                ///< likewise the right one
+  Units units;                           ///< of its numbers
+  Places displacement_places{};          ///< of u_0
+  Places velocity_places{};              ///< of u_1
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.

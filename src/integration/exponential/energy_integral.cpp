@@ -20,7 +20,7 @@ EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd&
     const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
     const VectorXd v = Leg::velocity(series, at, tau);
     const VectorXd a = leg.has_end_rows() || of_frame ? Leg::acceleration(series, at, tau) : VectorXd();
-    if (of_frame) flow.add(share, of_frame(at, v, a));
+    if (of_frame) flow.add(share, of_frame(at, Leg::displacement(series, at), v, a));
     flow.dissipated += share * leg.dissipation(v);
     if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
     if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v - at_begin, a);
@@ -28,8 +28,9 @@ EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd&
   return flow;
 }
 
-SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, std::span<const VectorXd> loads,
-                         std::span<const VectorXd> accelerations, double tau, const FrameFlow& of_frame) {
+SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> displacements, std::span<const VectorXd> velocities,
+                         std::span<const VectorXd> loads, std::span<const VectorXd> accelerations, double tau,
+                         const FrameFlow& of_frame) {
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
@@ -39,7 +40,7 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> velocities, s
     const std::size_t weight = std::min(k, 8 - k);
     const VectorXd& a = accelerations.empty() ? velocities[k] : accelerations[k];  // not looked at without end rows
     EnergyFlow& power = sampled.powers[k];
-    if (of_frame) power.add(tau, of_frame(static_cast<double>(k) / 8.0, velocities[k], a));
+    if (of_frame) power.add(tau, of_frame(static_cast<double>(k) / 8.0, displacements[k], velocities[k], a));
     power.dissipated += tau * leg.dissipation(velocities[k]);
     if (!loads.empty()) power.work += tau * velocities[k].dot(loads[k]);
     if (leg.has_end_rows()) {

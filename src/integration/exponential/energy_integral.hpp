@@ -21,18 +21,19 @@ struct EnergyFlow {
   }
 };
 
-/// Contribution of a frame that moves to power and loss at a part of a step and a velocity (see BarSystem::lift_loss);
-/// empty where it stands still.
-using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& v, const Eigen::VectorXd& a)>;
+/// Contributions to power and loss at a part of a step, of a frame that moves (see BarSystem::lift_loss) and of the
+/// rows of a side that resists; empty where there is neither.
+using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& u, const Eigen::VectorXd& v,
+                                           const Eigen::VectorXd& a)>;
 
 /// The flow over the part [0, sigma] of a step that one Taylor series covers, by Gauss' rule with eight points.
 /// `load` are the nodal coefficients of the load on the step, the constant part included; no columns without a load.
 EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
                       const Eigen::MatrixXd& load, double tau, double sigma, const FrameFlow& of_frame);
 
-/// The flow over a whole step from velocities, loads and accelerations (n entries each; no loads without a load, no
-/// accelerations for a mass without end rows) at its eighths, by the rule of Newton and Cotes, of degree 9. `error` is
-/// how far Romberg's rule on these points, of degree 7, is off.
+/// The flow over a whole step from displacements, velocities, loads and accelerations (n entries each; no displacements
+/// without of_frame, no loads without a load, no accelerations for a mass without end rows) at its eighths, by the rule
+/// of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
@@ -42,8 +43,8 @@ struct SampledFlow {
   /// The flow over the part [0, sigma] of the step: the integral of the polynomial through the powers.
   EnergyFlow until(double sigma) const;
 };
-SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> velocities,
-                         std::span<const Eigen::VectorXd> loads, std::span<const Eigen::VectorXd> accelerations,
-                         double tau, const FrameFlow& of_frame);
+SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> displacements,
+                         std::span<const Eigen::VectorXd> velocities, std::span<const Eigen::VectorXd> loads,
+                         std::span<const Eigen::VectorXd> accelerations, double tau, const FrameFlow& of_frame);
 
 }  // namespace viscobar::exponential

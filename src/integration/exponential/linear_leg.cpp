@@ -14,7 +14,9 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
       uniform_(system.mesh().uniform()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
-      closed_(std::move(closed)) {
+      closed_(std::move(closed)),
+      side_(system.side()),
+      first_node_(static_cast<Index>(system.first_node())) {
   moving_begin_ = system.damped() ? 0 : massive_begin_;
   moving_ = system.damped() ? n_ : massive_end_ - massive_begin_;
 
@@ -137,6 +139,18 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
         force[i - massive_begin_] -=
             contact.law.stiffness * (u[i] - constant * contact.surface) + contact.law.damping * rate * v[i];
     }
+    if (side_) {
+      const auto displacement = [&](std::size_t j) {
+        const Index i = static_cast<Index>(j) - first_node_;
+        if (i < 0) return constant * left_displacement_ + constant * Real(origin_[0]);
+        if (i >= n_) return constant * right_displacement_ + constant * Real(origin_[n_ - 1]);
+        return u[i] + constant * Real(origin_[i]);
+      };
+      const auto velocity = at_nodes(v, 0, 0);
+      side_->subtract(
+          [&](std::size_t j) { return displacement(j) * side_->stiffness(j) + rate * velocity(j) * side_->drag(j); },
+          static_cast<std::size_t>(first_node_ + massive_begin_), static_cast<std::size_t>(massive), force);
+    }
     solve_inertia(force);
     c.col(k + 2).segment(massive_begin_, massive) = force * (tau * tau / Real((k + 1) * (k + 2)));
   }
@@ -198,7 +212,16 @@ Real LinearLeg<Real>::dissipation(const Vector& v) const {
     if (right_fixed_) sum += damping_[n_] * v[n_ - 1] * v[n_ - 1];
   }
   for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * v[contact.unknown];
+  if (side_ && side_->has_drag()) sum += side_->drag_power(at_nodes(v, 0, 0));
   return sum;
+}
+
+template <class Real>
+Real LinearLeg<Real>::side_power(const Vector& v, const Vector& u) const {
+  if (!side_ || !side_->has_row_power()) return 0;
+  const Vector placed = u + origin_.template cast<Real>();
+  return side_->row_power(at_nodes(v, 0, 0),
+                          at_nodes(placed, left_displacement_ + origin_[0], right_displacement_ + origin_[n_ - 1]));
 }
 
 template class LinearLeg<double>;

@@ -24,7 +24,8 @@ struct ClosedContact {
 
 /// The penalised bar while its contact states do not change,
 ///
-///     rho M u'' = p(t) - E K u - eta K u' - sum over closed contacts of (k (u_c - surface_c) + b u_c') e_c,
+///     rho M u'' = p(t) - E K u - eta K u' (- M (k u + c u') of a side that resists) - sum over closed contacts of (k
+///     (u_c - surface_c) + b u_c') e_c,
 ///
 /// u of each node measured from its entry of `origin`, linear with constant coefficients in y = (u, v): u of the nodes
 /// with an equation of motion, v of the massive ones. A massless node moves by its own balance, u_0' from it with
@@ -54,15 +55,24 @@ class LinearLeg {
 
   Vector pack(const Vector& u, const Vector& v) const;
 
-  /// v . (eta K + dashpots) v, the power lost.
+  /// v . (eta K + dashpots) v, the power lost, with that of drag along the bar.
   Real dissipation(const Vector& v) const;
+  /// SideRows::row_power() of v and u, as measured here.
+  Real side_power(const Vector& v, const Vector& u) const;
   /// v . rho (M - Q) a, the power of the end rows of the mass; 0 for a mass without.
   Real end_power(const Vector& v, const Vector& a) const;
-  bool has_end_rows() const { return end_rows_.has_value(); }
+  bool has_end_rows() const { return end_rows_.has_value() || (side_ && side_->has_row_power()); }
 
  private:
   void factorise(const SymmetricTridiagonal& inertia);
   void solve_inertia(Vector& force) const;
+  // Of node j, from the unknowns x, the first of them being node `first_node_`.
+  auto at_nodes(const auto& x, Real left, Real right) const {
+    return [&x, left, right, first = first_node_](std::size_t j) {
+      const Index i = static_cast<Index>(j) - first;
+      return i < 0 ? left : i < x.size() ? Real(x[i]) : right;
+    };
+  }
 
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
   bool left_fixed_, right_fixed_, damped_, uniform_;
@@ -74,6 +84,8 @@ class LinearLeg {
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;
+  const SideRows* side_;  // of the system, which outlives this
+  Index first_node_;
 };
 
 extern template class LinearLeg<double>;

@@ -12,7 +12,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C| + the massless nodes' own relaxation.
+// Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C|, of a side k / rho and c / rho, + the massless
+// nodes' own relaxation.
 double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
   const double stiffness = system.bar().modulus / system.mesh().smallest();
   const double damping = system.bar().viscosity / system.mesh().smallest();
@@ -26,8 +27,11 @@ double rate_bound(const BarSystem& system, double inverse_inertia, const std::ve
       contact_damping = std::max(contact_damping, contact.law.damping);
     }
   }
-  double rate = std::sqrt(inverse_inertia * (4.0 * stiffness + 2.0 * contact_stiffness)) +
-                inverse_inertia * (4.0 * damping + 2.0 * contact_damping);
+  const double rho = system.bar().density;
+  const double side_stiffness = system.side() ? system.side()->largest_stiffness() / rho : 0.0;
+  const double side_drag = system.side() ? system.side()->largest_drag() / rho : 0.0;
+  double rate = std::sqrt(inverse_inertia * (4.0 * stiffness + 2.0 * contact_stiffness) + side_stiffness) +
+                inverse_inertia * (4.0 * damping + 2.0 * contact_damping) + side_drag;
   if (system.has_massless() && system.damped()) rate += (stiffness + massless_stiffness) / damping;
   return rate;
 }
@@ -40,7 +44,7 @@ Propagator::Propagator(const BarSystem& system, const VectorXd& origin, double i
       extended_leg_(system, origin, load.steady(), closed),
       load_(load),
       exponentials_(exponentials),
-      free_(closed.empty() && !system.left_fixed() && !system.right_fixed()),
+      free_(closed.empty() && !system.left_fixed() && !system.right_fixed() && !system.side()),
       finest_(std::exp2(-std::ceil(std::log2(rate_bound(system, inverse_inertia, closed))))) {}
 
 LinearLeg<double>::Series Propagator::expand(const VectorXd& y, const LoadPolynomial& load, double tau,

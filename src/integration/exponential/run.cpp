@@ -373,13 +373,14 @@ std::span<const double> Run::end_sample(const Series& series, double sigma, doub
 
 std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                               double tau, double penetration) const {
-  std::vector<VectorXd> velocities, loads, accelerations;
+  std::vector<VectorXd> displacements, velocities, loads, accelerations;
   for (std::size_t k = 0; k < motion.size(); ++k) {
+    if (system_.moving() || system_.side()) displacements.push_back(motion[k].col(0));
     velocities.push_back(motion[k].col(1) / tau);
     if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
     if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
   }
-  SampledFlow sampled = sampled_flow(leg(), velocities, loads, accelerations, tau, frame_flow(tau));
+  SampledFlow sampled = sampled_flow(leg(), displacements, velocities, loads, accelerations, tau, frame_flow(tau));
   const EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
@@ -393,11 +394,13 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
 }
 
 FrameFlow Run::frame_flow(double tau) const {
-  if (!system_.moving()) return {};
-  return [this, tau](double sigma, const VectorXd& v, const VectorXd& a) {
+  if (!system_.moving() && !system_.side()) return {};
+  return [this, tau](double sigma, const VectorXd& u, const VectorXd& v, const VectorXd& a) {
     const double t = t_ + sigma * tau, loss = penalised_.frame_loss(t, entries(v));
-    const double end = system_.has_end_rows() ? penalised_.end_power(t, entries(v), entries(a)).of_frame : 0.0;
-    return EnergyFlow{loss, loss + end, end};
+    const bool moves = system_.moving() && system_.has_end_rows();
+    const VectorXd placed = u + propagators_.origin();
+    const double end = moves ? penalised_.end_power(t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
+    return EnergyFlow{loss, loss + end, end + leg().side_power(v, u)};
   };
 }
 

@@ -40,6 +40,10 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const bool diagonal = system.inertia().off_diagonal.empty();
   const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
   double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
+  if (system.side()) {
+    square += system.side()->largest_stiffness() / bar.density;
+    decay += system.side()->largest_drag() / bar.density;
+  }
   const std::vector<double> masses = system.effective_masses();
   double contact_square = 0.0, contact_decay = 0.0, mount_square = 0.0;
   for (const Contact& contact : system.contacts()) {

@@ -34,7 +34,7 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
   system.dynamic_stiffness(1.0, 0.0, 0.0, mass_);
   system.dynamic_stiffness(0.0, 1.0, 0.0, damping_);
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness_);
-  stiffness_.end_rows.reset();
+  if (!system.bar().side()) stiffness_.end_rows.reset(), damping_.end_rows.reset();
   held_.resize(system.size());
   nodes_.resize(system.size());
   right_.resize(system.size());
@@ -43,8 +43,26 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
     held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
     if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
   }
+  if (const SideRows* side = system.bar().side()) return sum_rows_beside(system.bar(), *side);
   sum_rows(stiffness_, held_, bound_);
   sum_rows(damping_, held_, dashed_);
+}
+
+// The sums of the side's rows apart, which are as small beside E/h as those of the inertia.
+void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side) {
+  const std::size_t first = bar.first_node(), n = bar.size();
+  for (const bool drag : {false, true}) {
+    SymmetricTridiagonal bare = drag ? damping_ : stiffness_;
+    side.add_to(bare, first, drag ? -1.0 : 0.0, drag ? 0.0 : -1.0);
+    std::vector<double>& sums = drag ? dashed_ : bound_;
+    sum_rows(bare, held_, sums);
+    const auto coefficient = [&](std::size_t j) {
+      return j < first || j - first >= n ? 0.0 : drag ? -side.drag(j) : -side.stiffness(j);
+    };
+    side.subtract(coefficient, first, n, sums);
+    for (std::size_t i = 0; i < n; ++i)
+      if (held_[i]) sums[i] = 0.0;
+  }
 }
 
 void ShiftedSystems::factorise(double h) {
@@ -67,17 +85,30 @@ void ShiftedSystems::factorise(double h) {
     return entry(mass_.off_diagonal[i], damping_.off_diagonal[i], stiffness_.off_diagonal[i]);
   };
   const std::size_t n = nodes_.size(), middle = n / 2;
-  // Either end's elimination, `off` being the entry of node i and the next one.
+  // Either end's elimination, `off` being the entry of node i and the next one, towards the right or the left.
   struct Front {
     Complex pivot, upper, coupling;
   };
-  const auto begin = [&](std::size_t i, std::size_t off, const std::array<double, 3>* row, Complex& beyond) {
+  const auto lean = [&](Front& front, std::size_t off, double towards) {
+    const Complex skew = entry(0.0, towards * damping_.skew[off], towards * stiffness_.skew[off]);
+    front.upper = front.upper + skew;
+    front.coupling = front.coupling - skew;
+  };
+  const bool skew = !stiffness_.skew.empty();
+  const auto row_entry = [&](bool last, std::size_t k) {
+    const auto of = [&](const SymmetricTridiagonal& matrix) {
+      return !matrix.end_rows ? 0.0 : last ? matrix.end_rows->last[k] : matrix.end_rows->first[k];
+    };
+    return entry(of(mass_), of(damping_), of(stiffness_));
+  };
+  const auto begin = [&](std::size_t i, std::size_t off, bool last, Complex& beyond) {
     Front front{diagonal(i), beside(off), beside(off)};
+    if (skew) lean(front, off, last ? -1.0 : 1.0);
     beyond = nothing();
-    if (row) {
-      front.pivot = front.pivot + entry((*row)[0], 0.0, 0.0);
-      front.upper = front.upper + entry((*row)[1], 0.0, 0.0);
-      beyond = entry((*row)[2], 0.0, 0.0);
+    if (mass_.end_rows) {
+      front.pivot = front.pivot + row_entry(last, 0);
+      front.upper = front.upper + row_entry(last, 1);
+      beyond = row_entry(last, 2);
     }
     return front;
   };
@@ -91,16 +122,15 @@ void ShiftedSystems::factorise(double h) {
   };
   const auto go_on = [&](Front& front, const Complex& loss, std::size_t i, std::size_t off) {
     front = {diagonal(i) - loss, beside(off), beside(off)};
+    if (skew) lean(front, off, off == i ? 1.0 : -1.0);
   };
-  const std::array<double, 3>* first = mass_.end_rows ? &mass_.end_rows->first : nullptr;
-  const std::array<double, 3>* last = mass_.end_rows ? &mass_.end_rows->last : nullptr;
-  Front left = begin(0, 0, first, beyond_first_), right = begin(n - 1, n - 2, last, beyond_last_);
+  Front left = begin(0, 0, false, beyond_first_), right = begin(n - 1, n - 2, true, beyond_last_);
   const std::size_t right_count = n - 1 - middle;  // `middle`, or one less
   Complex of_left = take_out(0, left), of_right = take_out(n - 1, right);
   for (std::size_t j = 1; j < right_count; ++j) {
     go_on(left, of_left, j, j);
     go_on(right, of_right, n - 1 - j, n - 2 - j);
-    if (j == 1 && first) {
+    if (j == 1 && mass_.end_rows) {
       left.upper = left.upper - nodes_[0].away * beyond_first_;
       right.upper = right.upper - nodes_[n - 1].away * beyond_last_;
     }
@@ -118,11 +148,25 @@ void ShiftedSystems::factorise(double h) {
 
 void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
   const std::size_t n = nodes_.size();
+  if (stiffness_.end_rows || !stiffness_.skew.empty()) return multiply_beside(x, out);
   double before = 0.0;  // pull of the element on the left
   for (std::size_t i = 0; i < n; ++i) {
     const double pull = i + 1 < n ? stiffness_.off_diagonal[i] * (x[i + 1] - x[i]) : 0.0;
     out[i] = held_[i] ? 0.0 : bound_[i] * x[i] + (pull - before);
     before = pull;
+  }
+}
+
+void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double> out) const {
+  const std::size_t n = nodes_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = 0.0;
+    if (held_[i]) continue;
+    out[i] = bound_[i] * x[i];
+    if (i > 0) out[i] += stiffness_.below(i - 1) * (x[i - 1] - x[i]);
+    if (i + 1 < n) out[i] += stiffness_.above(i) * (x[i + 1] - x[i]);
+    if (!stiffness_.end_rows || (i > 0 && i + 1 < n)) continue;
+    for (std::size_t k = 1; k < 3; ++k) out[i] += stiffness_.end_rows->row(i)[k] * (x[i == 0 ? k : i - k] - x[i]);
   }
 }
 
@@ -173,16 +217,20 @@ Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::
   Complex sum = right_side - elastic(dashed_[i], bound_[i]) * x[i];
   if (i > 0) {
     inertia = inertia + times(mass_.off_diagonal[i - 1], x[i - 1]);
-    sum = sum - elastic(damping_.off_diagonal[i - 1], stiffness_.off_diagonal[i - 1]) * (x[i - 1] - x[i]);
+    sum = sum - elastic(damping_.below(i - 1), stiffness_.below(i - 1)) * (x[i - 1] - x[i]);
   }
   if (i + 1 < n) {
     inertia = inertia + times(mass_.off_diagonal[i], x[i + 1]);
-    sum = sum - elastic(damping_.off_diagonal[i], stiffness_.off_diagonal[i]) * (x[i + 1] - x[i]);
+    sum = sum - elastic(damping_.above(i), stiffness_.above(i)) * (x[i + 1] - x[i]);
   }
   if (mass_.end_rows && i == 0)
     for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->first[k], x[k]);
   if (mass_.end_rows && i + 1 == n)
     for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->last[k], x[n - 1 - k]);
+  if (stiffness_.end_rows && (i == 0 || i + 1 == n))
+    for (std::size_t k = 1; k < 3; ++k)
+      sum =
+          sum - elastic(damping_.end_rows->row(i)[k], stiffness_.end_rows->row(i)[k]) * (x[i == 0 ? k : i - k] - x[i]);
   return sum - of_mass * inertia;
 }
 

@@ -40,6 +40,8 @@ class ShiftedSystems {
     Complex away;     // what the row of next loses of this one: L(next, i)
   };
 
+  void sum_rows_beside(const BarSystem& bar, const SideRows& side);
+  void multiply_beside(std::span<const double> x, std::span<double> out) const;  // with a side that resists
   template <class RightSide>
   void substitute(RightSide&& right_side, std::span<Complex> x) const;
   Complex residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const;

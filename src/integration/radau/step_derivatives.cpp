@@ -79,6 +79,10 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
     if (rates.modulus != 0.0)
       for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += rates.modulus * begin_.strain_rate[i];
     for (const Mount& mount : rates.mounts) part.stiff_rate[mount.unknown] += mount.stiffness * begin_.w[mount.unknown];
+    if (rates.side)
+      rates.side->subtract(
+          [&, of_w = system_.bar().at_nodes(begin_.w)](std::size_t j) { return -rates.side->stiffness(j) * of_w(j); },
+          system_.bar().first_node(), n, part.stiff_rate);
     impulse_rates(derivative, begin_, u, part.impulse_rates);
   }
 }
@@ -100,11 +104,19 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i];
   else if (stiff)
     for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
-  else if (!rates.mounts.empty())
+  else if (!rates.mounts.empty() || rates.side)
     std::ranges::fill(x, Complex{Lanes::Zero(), Lanes::Zero()});
   for (const auto& [unknown, stiffness, dashpot, mass] : rates.mounts)
     x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
-  return inertial || stiff || !rates.mounts.empty();
+  if (const SideRows* side = rates.side) {
+    const std::size_t first = system_.bar().first_node();
+    const auto resisted = [&](std::size_t j) {
+      if (j < first || j - first >= n) return Complex{Lanes::Zero(), Lanes::Zero()};
+      return elastic(-side->drag(j), -side->stiffness(j)) * motion[j - first];
+    };
+    side->subtract(resisted, first, n, x);
+  }
+  return inertial || stiff || !rates.mounts.empty() || rates.side;
 }
 
 // What the load changes by over the step, the motion standing still.
@@ -150,6 +162,15 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
       const Derivative& of = *derivatives_[k];
       impulse.re[l] += h_ * of.elastic_row(end, u.re[l], u_stretch.re[l], s.re[l], s_stretch.re[l]);
       impulse.im[l] += h_ * of.elastic_row(end, u.im[l], u_stretch.im[l], s.im[l], s_stretch.im[l]);
+      if (!system_.bar().side()) continue;
+      const auto part_of = [&](const double* rates, std::span<const Complex> changes, Lanes Complex::*part) {
+        return [&, rates, changes, part](std::size_t j) {
+          const std::size_t i = j - system_.bar().first_node();
+          return i < n ? (image(rates[i], changes[i]).*part)[l] : 0.0;
+        };
+      };
+      for (Lanes Complex::*part : {&Complex::re, &Complex::im})
+        (impulse.*part)[l] += h_ * of.side_row(end, part_of(w, motion, part), part_of(q, x, part));
     }
   }
 }

@@ -324,7 +324,8 @@ class Stepper final : public LegStepper {
     const double half = 0.5 * (end_t_ - begin_t_), middle = begin_t_ + half;
     const auto at = [&](double s) {
       return energy_flow(
-          system_, layout_, middle + s * half, [&](double t, std::span<double> inner) { motion_at(t, inner, false); },
+          system_, layout_, middle + s * half,
+          [&](double t, std::span<double> inner) { motion_at(t, inner, system_.bar().side()); },
           [&](double t) { return end_accelerations(t); }, inner_);
     };
     const auto at_gauss = [&] {

@@ -57,14 +57,15 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   const double *u = y.data(), *w = u + n, *x_u = x.data(), *x_w = x_u + n;
   for (std::size_t i = 0; i < n; ++i) field[i] = w[i] + x_w[i];
   for (std::size_t i = 0; i < acceleration.size(); ++i) acceleration[i] = (x_w[i] - factor * z[n + i]) / gamma;
-  account_rates(t, field, acceleration, x);
+  for (std::size_t i = 0; i < new_u.size(); ++i) new_u[i] = u[i] + x_u[i];
+  account_rates(t, new_u, field, acceleration, x);
   account_correction = 0.0;
   for (std::size_t k = 2 * n; k < layout.first_derivative; ++k) {
     x[k] = gamma * x[k] + factor * z[k];
     account_correction = std::max(account_correction, std::abs(x[k]));
   }
   if (derivatives.empty()) return;
-  for (std::size_t i = 0; i < n; ++i) new_u[i] = u[i] + x_u[i], new_w[i] = w[i] + x_w[i];
+  for (std::size_t i = 0; i < n; ++i) new_w[i] = w[i] + x_w[i];
   const Moment at = (*moment)(t, new_u, new_w, acceleration);
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     derivatives[k]->drive(at);
@@ -78,10 +79,13 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                         std::span<double> rates) {
-  // Each has its end and the node beside it.
+  // Each has its end and the node beside it, and with a side that resists the next one, too.
   layout.each_impulse([&](std::size_t k, std::size_t end) {
-    const std::size_t beside = layout.nodes == 1 ? end : end == 0 ? 1 : end - 1;
-    for (const std::size_t i : {end, beside}) field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    const std::size_t reach = std::min(layout.nodes, system.bar().side() ? std::size_t{3} : std::size_t{2});
+    for (std::size_t m = 0; m < reach; ++m) {
+      const std::size_t i = end == 0 ? m : end - m;
+      field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+    }
     rates[k] = derivative.momentum_loss(end, at, field);
   });
 }
@@ -90,7 +94,7 @@ void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
   const std::span<double> w = layout.u(rate), a = layout.w(rate);
   system.force(t, layout.u(y), w, a);
   system.accelerate(a);
-  account_rates(t, w, a, rate);
+  account_rates(t, layout.u(y), w, a, rate);
   derivative_rates(t, y, rate);
   ++statistics.rhs_evaluations;
 }
@@ -122,13 +126,14 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
   for (std::size_t i = 0; i < n; ++i) out[i] -= factor * field[i];
 }
 
-void Leg::account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate) {
+void Leg::account_rates(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a,
+                        std::span<double> y_rate) {
   if (layout.account() == 0) return;
   const double loss = system.frame_loss(t, w);
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
   if (!layout.end_inertia) return;
-  const auto [all, of_frame] = system.end_power(t, w, a);
+  const auto [all, of_frame] = system.end_power(t, u, w, a);
   y_rate[*layout.end_inertia] = all;
   if (layout.work) y_rate[*layout.work] += of_frame;
 }

@@ -29,8 +29,9 @@ class Leg {
         solve_step(find_correction),
         field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
+    if (of.bar().side() || !of_parameters.empty()) new_u.resize(placed.nodes);
     if (of_parameters.empty()) return;
-    new_u.resize(placed.nodes), new_w = new_u;
+    new_w.resize(placed.nodes);
     moment.emplace(of, of_parameters);
   }
 
@@ -57,8 +58,9 @@ class Leg {
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
 
-  /// Rates of the energy account for the velocity w and the acceleration a.
-  void account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate);
+  /// Rates of the energy account for the displacement u, the velocity w and the acceleration a.
+  void account_rates(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a,
+                     std::span<double> y_rate);
 
   PenalisedSystem& system;
   Layout layout;
@@ -66,7 +68,7 @@ class Leg {
   std::span<Derivative* const> derivatives;
   void (*solve_step)(Leg&, std::span<double> correction);
   std::optional<MomentBuilder> moment;  // what drives the derivatives, where there are any
-  std::vector<double> new_u, new_w;     // where there are derivatives: of the step solved for
+  std::vector<double> new_u, new_w;     // of the step solved for, where somebody asks
   std::vector<double> field;            // scratch, one entry a node
   std::vector<double> acceleration;     // scratch, where the energy account needs it
   std::span<const double> correction;   // of the step or stage solved for last; valid until the next

@@ -82,7 +82,7 @@ std::optional<std::vector<LoadPart>> load_parts(const Case& run, Mass mass, std:
 
 std::optional<Pattern> Members::pattern_of(const Case& run) const {
   const Scene& scene = run.scene;
-  if (scene.span || run.impact != Impact::paoli_schatzman) return std::nullopt;
+  if (scene.span || scene.side || run.impact != Impact::paoli_schatzman) return std::nullopt;
   Scene unit = scene;
   unit.bar = {1.0, 1.0, 1.0, 1.0};
   unit.displacement = unit.velocity = [](double) { return 0.0; };

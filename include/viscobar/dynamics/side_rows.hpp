@@ -1,0 +1,132 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "viscobar/discretisation/tridiagonal.hpp"
+#include "viscobar/scene/scene.hpp"
+
+namespace viscobar {
+
+/// Resistance along the bar in the rows of its mass (docs/side.md). With r = k u + c u' at the nodes a row is
+///
+///     (rho M u'' + M r + E K u + eta K u')_i = (M f)_i,
+///
+/// M as for the inertia: exact to fourth order on `fourth_order`, and nothing in the row of a node without mass. It
+/// stores 1/2 u.S(k) u and takes w.S(c) w, S(k) being the symmetric part of M diag(k) without the end rows of M. What
+/// is left of w.M r is the power of the rows: the end rows, and where k varies along the bar a skew part.
+///
+/// Functions u(j), w(j), r(j) below are of all nodes j = 0, ..., J: numbers, or what is added and multiplied as such.
+class SideRows {
+ public:
+  /// @param mass M of all nodes, without rho
+  /// @param values k and c at all nodes; empty: none
+  SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std::vector<double> drag);
+
+  bool has_stiffness() const { return !stiffness_.empty(); }  ///< k
+  bool has_drag() const { return !drag_.empty(); }            ///< c
+  /// True if M diag(k) or M diag(c) has a skew part, by which k and c vary.
+  bool skew() const { return skew_; }
+  /// True if the rows have a power of their own.
+  bool has_row_power() const { return skew_ || mass_.end_rows; }
+  double stiffness(std::size_t j) const { return stiffness_.empty() ? 0.0 : stiffness_[j]; }  ///< k at node j
+  double drag(std::size_t j) const { return drag_.empty() ? 0.0 : drag_[j]; }                 ///< c at node j
+
+  double largest_stiffness() const;  ///< of all nodes: (rho M)^{-1} M diag(k) has no eigenvalue above it / rho
+  double largest_drag() const;       ///< likewise of c
+
+  /// r(j) of displacements u(j) and velocities w(j).
+  auto resistance(auto&& u, auto&& w) const {
+    return [this, u, w](std::size_t j) {
+      auto sum = u(j) * stiffness(j);
+      sum += w(j) * drag(j);
+      return sum;
+    };
+  }
+
+  /// out[i] -= (M r)_j for count nodes j from first on.
+  template <class Out>
+  void subtract(auto&& r, std::size_t first, std::size_t count, Out&& out) const {
+    const std::size_t last = mass_.size() - 1;
+    const std::vector<double>& off = mass_.off_diagonal;
+    auto before = first > 0 ? r(first - 1) : r(first);
+    auto here = r(first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = first + i;
+      auto next = j < last ? r(j + 1) : here;
+      out[i] = out[i] - mass_.diagonal[j] * here;
+      if (!off.empty() && j > 0) out[i] = out[i] - off[j - 1] * before;
+      if (!off.empty() && j < last) out[i] = out[i] - off[j] * next;
+      before = here;
+      here = next;
+    }
+    if (!mass_.end_rows) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (first == 0) out[0] = out[0] - mass_.end_rows->first[k] * r(k);
+      if (first + count == last + 1) out[count - 1] = out[count - 1] - mass_.end_rows->last[k] * r(last - k);
+    }
+  }
+
+  /// Entries of the row of M of an end, from it inwards: columns 0, 1, 2 on the left.
+  std::array<double, 3> end_row(bool right) const;
+  /// (M r)_e of an end.
+  double at_end(bool right, auto&& r) const {
+    const std::array<double, 3> row = end_row(right);
+    const std::size_t last = mass_.size() - 1;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < row.size() && k <= last; ++k) sum += row[k] * r(right ? last - k : k);
+    return sum;
+  }
+
+  /// Adds M diag(k k_j + c c_j) over the unknowns, from node `first` on, to a matrix of their size.
+  void add_to(SymmetricTridiagonal& out, std::size_t first, double c, double k) const;
+
+  /// 1/2 u.S(k) u
+  double energy(auto&& u) const { return 0.5 * energy_product(u, u); }
+  /// u.S(k) s
+  double energy_product(auto&& u, auto&& s) const { return has_stiffness() ? product(stiffness_, u, s) : 0.0; }
+  /// w.S(c) w
+  auto drag_power(auto&& w) const { return product(drag_, w, w); }
+  /// w.M r - w.(S(k) u + S(c) w)
+  auto row_power(auto&& w, auto&& u) const {
+    decltype(w(0) * u(0)) sum = 0.0;
+    if (mass_.end_rows) {
+      const auto r = resistance(u, w);
+      const std::size_t last = mass_.size() - 1;
+      for (std::size_t k = 0; k < 3; ++k)
+        sum += w(0) * mass_.end_rows->first[k] * r(k) + w(last) * mass_.end_rows->last[k] * r(last - k);
+    }
+    // The skew part of M diag(c) has none.
+    for (std::size_t j = 0; skew_ && has_stiffness() && j < mass_.off_diagonal.size(); ++j)
+      sum += 0.5 * mass_.off_diagonal[j] * (stiffness_[j + 1] - stiffness_[j]) * (w(j) * u(j + 1) - w(j + 1) * u(j));
+    return sum;
+  }
+
+  /// Rows of the same M with other k and c.
+  SideRows with(std::vector<double> stiffness, std::vector<double> drag) const {
+    return {mass_, std::move(stiffness), std::move(drag)};
+  }
+
+ private:
+  // x.S(values) y
+  auto product(const std::vector<double>& values, auto&& x, auto&& y) const {
+    auto x_here = x(std::size_t{0}), y_here = y(std::size_t{0}), sum = x_here;
+    sum = x_here * y_here * (mass_.diagonal[0] * values[0]);
+    for (std::size_t j = 0; j + 1 < values.size(); ++j) {
+      const auto x_next = x(j + 1), y_next = y(j + 1);
+      if (!mass_.off_diagonal.empty())
+        sum += (x_here * y_next + x_next * y_here) * (0.5 * mass_.off_diagonal[j] * (values[j] + values[j + 1]));
+      sum += x_next * y_next * (mass_.diagonal[j + 1] * values[j + 1]);
+      x_here = x_next, y_here = y_next;
+    }
+    return sum;
+  }
+
+  SymmetricTridiagonal mass_;
+  std::vector<double> stiffness_, drag_;
+  bool skew_ = false;
+};
+
+}  // namespace viscobar
