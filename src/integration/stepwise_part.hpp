@@ -468,8 +468,8 @@ class StepwisePart {
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
   // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is an error of the mesh and
-  // no contact; one that an obstacle brings about, which moves in by more than half of that velocity and turns back,
-  // is.
+  // no contact. Where a mass of the scene strikes, or an obstacle moves in by more than half of that velocity and turns
+  // back, it is one.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().spacing_at(system_.contact(i).unknown);
@@ -479,9 +479,10 @@ class StepwisePart {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = w()[system_.contact(i).unknown];
-    const bool counts = collision.rests || leaves != 0.0 || !closing ||
-                        (std::abs(*closing) > weights.promised_velocity() &&
-                         2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(*closing));
+    const bool of_scene = system_.bar().mass_at(system_.contact(i)) > 0.0 ||
+                          2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
+    const bool counts =
+        collision.rests || leaves != 0.0 || !closing || (std::abs(*closing) > weights.promised_velocity() && of_scene);
     if (closing && counts) tell_event(t, i, Change::closing, *closing);
     if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
     if (sensitivities_) sensitivities_->rebound(i, changes_);

@@ -179,6 +179,25 @@ TEST(EndMass, ThatTouchesLeavesItsMomentumToTheWall) {
   EXPECT_NEAR(rigid.statistics.account->left.impulse, mass + 1.650793636853, 1e-5);
 }
 
+// Without the wall's push the mass is where it was left: the bar's stress pulls it off again within the step. Its
+// impact is one of the scene, not of the mesh.
+TEST(EndMass, ThatStrikesAndIsPulledOffAtOnceHasAContact) {
+  const std::string scene =
+      "bar.length=1\nbar.viscosity=0.0121\nbar.density=0.554\nmesh.elements=22\nmesh.mass=\"fourth_order\"\n"
+      "left.kind=\"obstacle\"\nleft.gap=0.24654\nleft.mass=0.3\nright.stiffness=2\nright.dashpot=0.1\n"
+      "initial.velocity=\"-cos(pi*x)\"\nload.profile=\"1+x\"\nload.history=\"sin(3*t)\"\ntime.end=0.3\n";
+  const Recording rigid = recorded(scene + "method.name=\"rigid\"\nmethod.relative_tolerance=1e-9\n");
+  const Recording scheme = recorded(scene + "method.name=\"fully_discrete\"\nmethod.step=1e-5\n");
+  ASSERT_EQ(rigid.events.size(), 2u);
+  EXPECT_EQ(rigid.events[0].change, Change::closing);
+  EXPECT_EQ(rigid.events[1].change, Change::opening);
+  EXPECT_NEAR(rigid.events[0].time, scheme.events[0].time, 2e-5);  // a scheme's step, and how late it is
+  EXPECT_NEAR(rigid.events[0].velocity, scheme.events[0].velocity, 1e-4);
+  EXPECT_LT(rigid.events[0].velocity, -0.8);
+  const double struck = *rigid.events[1].impulse - *rigid.events[0].impulse;
+  EXPECT_GT(struck, 0.3 * 0.8);  // the mass alone
+}
+
 TEST(EndMass, IsRefusedWhereNothingFeelsIt) {
   const auto message = [](const std::string& text) -> std::string {
     try {

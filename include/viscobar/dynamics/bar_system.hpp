@@ -146,6 +146,11 @@ class BarSystem {
   /// Force, spring, dashpot, mass and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
+  /// Mass on the end that a contact is of; 0 under a span obstacle.
+  double mass_at(const Contact& contact) const {
+    return contact.where == Where::span ? 0.0 : inputs_[contact.where == Where::right].mass;
+  }
+
   /// True if the frame moves.
   bool moving() const { return moves_frame(false) || moves_frame(true); }
   /// The same in a frame that moves with the obstacles that move, too.
