@@ -187,6 +187,7 @@ class StepwisePart {
     }
     for (std::size_t i = 0; i < system_.contact_count(); ++i)
       if (system_.closed(i)) {
+        starts_in_contact_ = true;
         differentiate_closing(t, i, start, approach);
         const double velocity = approach[system_.contact(i).unknown];
         if (system_.collides(i)) {
@@ -301,7 +302,7 @@ class StepwisePart {
       ends_->measure_from(system_.origin());
       ends_->begin(t, u(), w());
     }
-    if (filter_.acts() && leg != Leg::same) {
+    if (filter_.acts() && leg != Leg::same && !(leg == Leg::first && starts_in_contact_)) {
       const ErrorWeights& weights = stepper_.weights();
       const auto start = [&] {
         take(filter_.begin(system_, t, {weights.displacement_tolerance(), weights.velocity_tolerance()}, u(), w()));
@@ -546,6 +547,7 @@ class StepwisePart {
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
   std::size_t next_output_ = 0;
+  bool starts_in_contact_ = false;  // what an impact sets going stays, as at any other one
   std::optional<Sensitivities>& sensitivities_;
   std::vector<ChangeSensitivity> changes_;  // of the contact change under way
 };

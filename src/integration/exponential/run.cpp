@@ -94,6 +94,8 @@ std::vector<double> Run::displacement() const {
 
 void Run::settle_high_modes(bool starting) {
   if (!filter_.acts()) return;
+  for (std::size_t c = 0; c < contacts(); ++c)
+    if (starting && penalised_.closed(c)) return;
   std::vector<double> u = displacement(), w(system_.size());
   const Index n = leg().displacements();
   std::copy_n(y_.data() + n, n, w.begin());
