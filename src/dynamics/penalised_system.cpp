@@ -27,6 +27,15 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
     if (rigid_ && size() < 2)
       throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
+    if (const auto& stop = bar.stop(contact)) {
+      if (rigid_ || massless(contact.unknown))
+        throw std::invalid_argument("a stop with a law of its own wants a node with mass, and is not rigid");
+      stops_.push_back({laws_.size(), *stop});
+      if (!stop->linear()) bent_.push_back(stops_.back());
+      stops_take_ |= stop->damping > 0.0;
+      laws_.push_back(stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{});
+      continue;
+    }
     const bool dashpot = !rigid_ && penalty.restitution < 1.0;
     laws_.push_back(rigid_ ? PenaltyLaw{infinite, 0.0}
                            : penalty_law(penalty, contact.weight, dashpot ? bar.contact_mass(contact) : 0.0));
@@ -114,6 +123,7 @@ bool PenalisedSystem::held(std::size_t unknown) const {
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
   if (follows(i)) return {neighbour(node)};
+  if (push_weights(i)) return {node, node, size() + node};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
   if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + (node == 0 ? 2 : node - 2));
@@ -158,6 +168,43 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   return neighbours + contact(i).sign * load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
 }
 
+std::optional<PenalisedSystem::IndicatorWeights> PenalisedSystem::push_weights(std::size_t i) const {
+  const Stop* law = stop(i);
+  const auto push = law ? law->push(push_time()) : std::nullopt;
+  if (!push) return std::nullopt;
+  const double sign = contact(i).sign;
+  return IndicatorWeights{
+      .values = {0.0, sign * push->a, sign * push->b}, .alone = false, .offset = push->a * offsets_[i] - push->e};
+}
+
+double PenalisedSystem::push_rate(std::size_t i, double clearance, double w, double w_bar, const Stop& rates) const {
+  const Stop::Push push = *stop(i)->push(push_time()), rate = stop(i)->push_rate(push_time(), rates);
+  return push.a * clearance + contact(i).sign * (push.b * w + rate.b * w_bar) - rate.e;
+}
+
+// Of a wave through the bar.
+double PenalisedSystem::push_time() const {
+  return bar_.bar().length * std::sqrt(bar_.bar().density / bar_.bar().modulus);
+}
+
+double PenalisedSystem::bent_force(std::size_t i, double clearance, double w) const {
+  const Stop* law = bent(i);
+  const double sign = contact(i).sign;
+  return law ? sign * law->force(-clearance, -sign * w) : 0.0;
+}
+
+PenaltyLaw PenalisedSystem::tangent(std::size_t i, double clearance, double w) const {
+  const Stop* law = bent(i);
+  if (!law) return laws_[i];
+  const double rate = -contact(i).sign * w;
+  return {law->by_depth(-clearance, rate), law->by_rate(-clearance, rate)};
+}
+
+void PenalisedSystem::linearise(std::size_t i, const PenaltyLaw& tangent) {
+  laws_[i] = tangent;
+  std::erase_if(bent_, [i](const OwnStop& one) { return one.contact == i; });
+}
+
 bool PenalisedSystem::relaxes(std::size_t i) const {
   return closed(i) && massless(contact(i).unknown) && !follows(i) && !holds(i) && relative_stiffness(i) > stiff;
 }
@@ -187,7 +234,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
-    out[node] -= contact(i).sign * laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
+    out[node] += contact_force(i, clearance(i, u), w[node]);
   }
 }
 
@@ -293,8 +340,10 @@ std::array<double, 3> PenalisedSystem::reactions(double t, std::span<const doubl
     if (!closed(i) || !(left || right || span)) continue;
     const double sign = contact(i).sign;
     if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
-    const double reaction = !holds(i) ? laws_[i].reaction(-clearance(i, u), -sign * w[node])
-                                      : std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
+    const double clear = clearance(i, u);
+    const double reaction = holds(i)  ? std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)))
+                            : stop(i) ? std::max(0.0, clear < 0.0 ? sign * contact_force(i, clear, w[node]) : 0.0)
+                                      : laws_[i].reaction(-clear, -sign * w[node]);
     if (left) sum[0] += sign * reaction;
     if (right) sum[1] += sign * reaction;
     if (span) sum[2] += sign * reaction;
@@ -353,7 +402,9 @@ double PenalisedSystem::energy(std::span<const double> u, std::span<const double
 double PenalisedSystem::contact_energy(std::span<const double> u) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (!holds(i) && !moves(i)) sum += laws_[i].energy(-clearance(i, u));
+    if (!holds(i) && !moves(i) && !stop(i)) sum += laws_[i].energy(-clearance(i, u));
+  for (const auto& [i, law] : stops_)
+    if (closed(i)) sum += law.energy(-clearance(i, u));
   return sum;
 }
 

@@ -52,6 +52,24 @@ std::string unknown_table(std::string_view table) {
                  : fmt::format("unknown table; known are {}", listed(scene_tables()));
 }
 
+// Entries of a table, those of a table within it by their keys "inner.leaf": only contact of an end is one.
+std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, std::string_view table) {
+  std::vector<TomlNode> all;
+  for (const TomlNode& entry : entries) {
+    const bool splits = entry.kind == TomlNode::Kind::table && entry.key == "contact" &&
+                        (table == "left" || table == "right") && !entry.inside.empty();
+    if (!splits) {
+      all.push_back(entry);
+      continue;
+    }
+    for (TomlNode inside : entry.inside) {
+      inside.key = entry.key + "." + inside.key;
+      all.push_back(std::move(inside));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string unknown_key(std::string_view table, std::string_view leaf) {
@@ -115,7 +133,7 @@ void SceneEntries::add_text(const std::string& text) {
       if (!is_table(node))
         add_if_known(node, "", "");
       else if (const auto table = meant.find(node.key); table != meant.end())
-        for (const TomlNode& entry : node.inside) add_if_known(entry, node.key, table->second);
+        for (const TomlNode& entry : flat(node.inside, table->second)) add_if_known(entry, node.key, table->second);
   }
 }
 

@@ -18,6 +18,7 @@ namespace viscobar {
 
 namespace {
 
+constexpr const char* stop_leaves[] = {".contact.law", ".contact.stiffness", ".contact.damping"};
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
 // The one that the key names.
@@ -47,6 +48,17 @@ EndCondition end_of(const SceneEntries& entries, const std::string& side) {
   return Free{};
 }
 
+// An end's own table is whole; without one it has the law of [contact].
+std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side) {
+  const bool own = std::ranges::any_of(stop_leaves, [&](const char* leaf) { return entries.present(side + leaf); });
+  const auto key = [&](std::size_t k) { return (own ? side : "") + (stop_leaves[k] + (own ? 0 : 1)); };
+  const auto word = entries.text(key(0));
+  for (const Law law : all_laws)
+    if (word == name(law))
+      return Stop{law, entries.number(key(1)).value_or(1.0), entries.number(key(2)).value_or(0.0), !own};
+  return std::nullopt;
+}
+
 EndInput input_of(const SceneEntries& entries, const std::string& side, const EndCondition& end) {
   EndInput input;
   const auto number = [&](const char* key) { return entries.number(side + key).value_or(0.0); };
@@ -57,6 +69,7 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
     input.force = EndForce{force->of_t(), force->breaks_and_pulses(0.0), force->is_constant()};
   if (const auto motion = entries.formula(side + ".motion"); motion && !motion->is_zero())
     input.motion = motion_of(*motion, "", 1.0, 0.0);
+  if (is_obstacle(end)) input.stop = stop_of(entries, side);
   if (const auto* obstacle = std::get_if<Obstacle>(&end))
     if (const auto gap = entries.formula(side + ".gap"); gap && !gap->is_constant())
       input.motion = motion_of_gap(*gap, "", *obstacle);
@@ -172,6 +185,25 @@ void check_end(SceneEntries& entries, const std::string& side) {
   }
 }
 
+// The numbers of a law come with it; `table` is that of an end, or empty.
+void check_law(SceneEntries& entries, const std::string& table) {
+  const auto key = [&](std::size_t k) { return table.empty() ? stop_leaves[k] + 1 : table + stop_leaves[k]; };
+  if (entries.faulty(key(0))) return;
+  const auto word = entries.text(key(0));
+  const auto law = std::ranges::find_if(all_laws, [&](Law one) { return word == name(one); });
+  if (law == std::end(all_laws)) {
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}})
+      if (entries.sound(key(k)))
+        entries.report(key(k), "belongs to a law, and {}; the penalty has contact.epsilon",
+                       word ? "the law is \"penalty\"" : key(0) + " is missing");
+    return;
+  }
+  if (!entries.present(key(1)) && !entries.faulty(key(1)))
+    entries.report(key(1), "is missing: {} has a stiffness k", *word);
+  if (entries.sound(key(2)) && !has_damper(*law))
+    entries.report(key(2), "belongs to spring_damper and hunt_crossley; {} has no damper", *word);
+}
+
 void check_load_keys(SceneEntries& entries) {
   const bool density = entries.present("load.density");
   const bool profile = entries.present("load.profile"), history = entries.present("load.history");
@@ -239,7 +271,7 @@ SceneValues choose(const SceneEntries& entries, const Setup& setup) {
   if (!entries.present("mesh.elements")) values.emplace_back("mesh.elements", static_cast<std::int64_t>(run.elements));
   if (!run.mass && run.method != MethodName::characteristics)
     values.emplace_back("mesh.mass", std::string(name(setup.mass)));
-  if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
+  if (is_penalised(run.method) && has_penalty(run.scene) && !run.epsilon)
     values.emplace_back("contact.epsilon", setup.epsilon);
   if (is_scheme(run.method) && !run.step) values.emplace_back("method.step", setup.step);
   return values;
@@ -336,6 +368,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
+    for (const char* table : {"", "left", "right"}) check_law(entries, table);
     check_load_keys(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);

@@ -25,6 +25,9 @@ struct Choice {
   std::string_view name, meaning;
 };
 
+/// The law of a stop that has none of its own.
+inline constexpr std::string_view no_law = "penalty";
+
 /// All that is said about one key of a scene file. Reading, checking, suggesting and documenting go by this table.
 struct SceneKey {
   std::string_view name;  ///< "table.key", or a key above the first table

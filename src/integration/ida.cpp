@@ -39,7 +39,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
     forces.force(t, {u, n}, {u_rate, n}, right);
     for (std::size_t i = 0; i < n; ++i) x_w[i] = w_rate[i] - cj * (w[i] - u_rate[i]);
     leg.subtract_inertia(1.0, {x_w, n}, right);
-    leg.solve(cj * cj, cj, 1.0, right);
+    leg.solve(forces, cj * cj, cj, 1.0, {u, nullptr, u_rate, 1.0}, right);
     for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
   };
   const double *u = state.data(), *w = u + n, *u_rate = rates.data(), *w_rate = u_rate + n;
@@ -49,7 +49,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
   if (layout.size == 2 * n) return;
   for (std::size_t i = 0; i < n; ++i) leg.field[i] = w[i] + x_w[i];
   for (std::size_t i = 0; i < leg.acceleration.size(); ++i) leg.acceleration[i] = w_rate[i] + cj * x_w[i];
-  leg.account_rates(t, leg.field, leg.acceleration, correction);
+  leg.account_rates(t, u, x_u, leg.field, leg.acceleration, correction);
   leg.account_correction = 0.0;
   for (std::size_t k = 2 * n; k < layout.first_derivative; ++k) {
     correction[k] = (correction[k] - u_rate[k]) / cj;

@@ -130,6 +130,12 @@ class BarSystem {
   /// Force, spring, dashpot, mass and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
+  /// The law of that contact's own, of an end.
+  const std::optional<Stop>& stop(const Contact& contact) const {
+    static const std::optional<Stop> none;
+    return contact.where == Where::span ? none : inputs_[contact.where == Where::right].stop;
+  }
+
   /// True if the frame moves.
   bool moving() const { return moves_frame(false) || moves_frame(true); }
   /// The same in a frame that moves with the obstacles that move, too.

@@ -37,6 +37,21 @@ class Leg {
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
   void solve(double m, double c, double k, std::span<double> x);
 
+  /// What a solve is an increment x to: u becomes u + (k / factor) x, w becomes w + (c / factor) x, and the forces have
+  /// entered the right-hand side times `factor`.
+  struct Increment {
+    const double *u, *explicit_u, *w;  // u is the sum of the first two; the second may be null
+    double factor;
+  };
+  /// The same with the closed contacts that are not linear, by the forces of the bar or of a derivative of it: D x =
+  /// right + factor sum_i s_i (N_i(x) - N_i(0)) e_i. Without them it is the same; with z_i = D^{-1} e_i, which stay as
+  /// the factor does,
+  ///
+  ///     x = D^{-1} right + factor sum_i s_i (N_i(x_i) - N_i(0)) z_i,
+  ///
+  /// one or two equations for x_i at the contacts, by Newton's method.
+  void solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x);
+
   /// x of  x = gamma f(t, y + x) + factor z  for the first-order form y' = f(t, y) = (w, (rho M)^{-1} F): the corrector
   /// of CVODE and a stage of ARKODE. Put x_u = gamma (w + x_w) + factor z_u into the momentum rows and multiply those
   /// by rho M, which is then never inverted:
@@ -57,8 +72,9 @@ class Leg {
   /// out -= factor * rho M x
   void subtract_inertia(double factor, std::span<const double> x, std::span<double> out);
 
-  /// Rates of the energy account for the velocity w and the acceleration a.
-  void account_rates(double t, std::span<const double> w, std::span<const double> a, std::span<double> y_rate);
+  /// Rates of the energy account for the displacement u + x, the velocity w and the acceleration a; x may be null.
+  void account_rates(double t, const double* u, const double* x, std::span<const double> w, std::span<const double> a,
+                     std::span<double> y_rate);
 
   PenalisedSystem& system;
   Layout layout;
@@ -80,6 +96,14 @@ class Leg {
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
+  struct Column {  // z of a contact
+    std::size_t contact;
+    std::vector<double> values;
+  };
+  void find_columns();
+
+  std::vector<Column> columns_;  // of this factor, of closed contacts that are not linear
+  bool columns_known_ = false;
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;
