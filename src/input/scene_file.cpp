@@ -10,6 +10,7 @@
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_entries.hpp"
+#include "input/scene_stop.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -18,7 +19,6 @@ namespace viscobar {
 
 namespace {
 
-constexpr const char* stop_leaves[] = {".contact.law", ".contact.stiffness", ".contact.damping"};
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
 // The one that the key names.
@@ -46,17 +46,6 @@ EndCondition end_of(const SceneEntries& entries, const std::string& side) {
     return end;
   }
   return Free{};
-}
-
-// An end's own table is whole; without one it has the law of [contact].
-std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side) {
-  const bool own = std::ranges::any_of(stop_leaves, [&](const char* leaf) { return entries.present(side + leaf); });
-  const auto key = [&](std::size_t k) { return (own ? side : "") + (stop_leaves[k] + (own ? 0 : 1)); };
-  const auto word = entries.text(key(0));
-  for (const Law law : all_laws)
-    if (word == name(law))
-      return Stop{law, entries.number(key(1)).value_or(1.0), entries.number(key(2)).value_or(0.0), !own};
-  return std::nullopt;
 }
 
 EndInput input_of(const SceneEntries& entries, const std::string& side, const EndCondition& end) {
@@ -183,25 +172,6 @@ void check_end(SceneEntries& entries, const std::string& side) {
                                                            : "a fixed end";
     entries.report(key.name, "belongs to {}; this end is {}", owner, *word);
   }
-}
-
-// The numbers of a law come with it; `table` is that of an end, or empty.
-void check_law(SceneEntries& entries, const std::string& table) {
-  const auto key = [&](std::size_t k) { return table.empty() ? stop_leaves[k] + 1 : table + stop_leaves[k]; };
-  if (entries.faulty(key(0))) return;
-  const auto word = entries.text(key(0));
-  const auto law = std::ranges::find_if(all_laws, [&](Law one) { return word == name(one); });
-  if (law == std::end(all_laws)) {
-    for (const std::size_t k : {std::size_t{1}, std::size_t{2}})
-      if (entries.sound(key(k)))
-        entries.report(key(k), "belongs to a law, and {}; the penalty has contact.epsilon",
-                       word ? "the law is \"penalty\"" : key(0) + " is missing");
-    return;
-  }
-  if (!entries.present(key(1)) && !entries.faulty(key(1)))
-    entries.report(key(1), "is missing: {} has a stiffness k", *word);
-  if (entries.sound(key(2)) && !has_damper(*law))
-    entries.report(key(2), "belongs to spring_damper and hunt_crossley; {} has no damper", *word);
 }
 
 void check_load_keys(SceneEntries& entries) {
@@ -368,7 +338,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
-    for (const char* table : {"", "left", "right"}) check_law(entries, table);
+    check_laws(entries);
     check_load_keys(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);

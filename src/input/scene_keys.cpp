@@ -65,6 +65,10 @@ constexpr Choice files[] = {
 constexpr std::string_view of_stiffness =
     "k of contact.law: N = k d, or k d^(3/2); the penalty has contact.epsilon instead";
 constexpr std::string_view of_damping = "c of spring_damper, lambda of hunt_crossley";
+constexpr std::string_view of_restitution =
+    "instead of the damping of hunt_crossley: what is left of the speed of a lone mass that comes at contact.speed";
+constexpr std::string_view of_speed =
+    "of an impact after which hunt_crossley leaves contact.restitution of it, instead of a damping";
 constexpr Choice formulas[] = {
     {"automatic", "chosen leg by leg, by the bar's stiffness"},
     {"adams", "Adams-Moulton, for bars that are not stiff"},
@@ -102,6 +106,7 @@ constexpr SceneKey rows[] = {
     {"contact.law", choice, optional, "", "\"spring_damper\"", "", "law of the stops at the ends, for methods that know it, absent: the penalty in penalised methods, a rigid obstacle in the others; an end's own law is left.contact or right.contact, see below"},
     {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
     {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"contact.restitution", number, optional, "", "0.0", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"automatic\"", "\"automatic\"", "", "method of time integration"},
@@ -141,6 +146,8 @@ constexpr SceneKey end_rows[] = {
     {"contact.law", choice, optional, "", "\"hertz\"", "", "law of the obstacle at this end, instead of that of [contact]"},
     {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
     {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.restitution", number, optional, "", "0.5", "1", of_restitution, {0.0, 1.0, "0 to 1"}},
+    {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
 };
 // clang-format on

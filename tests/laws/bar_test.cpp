@@ -11,15 +11,15 @@ namespace viscobar::laws {
 namespace {
 
 struct Thrown {
-  double ends, impulse, left;  // when the contact ends, what it gave, and how deep the surface is left
+  double ends, impulse;  // when the contact ends, and what it gave
 };
 
 Thrown thrown(const std::string& stop, double viscosity, int elements, const char* method) {
   const Outcome run = outcome(thrown_bar(stop, viscosity, elements, 2.9, method));
-  // The end of a bar may come back for a moment behind the front; the contact is what lasts.
+  // The end may come back for a moment; the contact is what lasts.
   const Event& last = run.events.back();
   EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, 1e-7) << method;
-  return {last.time, last.impulse.value_or(0.0), 0.0};
+  return {last.time, last.impulse.value_or(0.0)};
 }
 
 // A stop k, c on the bar of Laplace's variable s has N = s^-2 / (1 / (k + c s) + 1 / D), D = S tanh(q); the numbers are
@@ -55,8 +55,11 @@ TEST(ThrownBar, ThatIsElasticComesToItsDelayEquation) {
                          Row{contact("hunt_crossley", 10, 1), 2.4336742209, 1.9292329287}}) {
     SCOPED_TRACE(row.stop);
     const Thrown coarse = thrown(row.stop, 0.0, 50, "cvode"), fine = thrown(row.stop, 0.0, 200, "cvode");
-    std::printf("%s %g %g, %g %g\n", row.stop.c_str(), coarse.ends - row.ends, fine.ends - row.ends,
-                coarse.impulse - row.impulse, fine.impulse - row.impulse);
+    // Measured: 2.8e-6, 6.4e-7, 5.3e-7 of the times and 4e-8, 6e-9, 4e-9 of the impulses on 200 elements.
+    EXPECT_NEAR(fine.ends, row.ends, 5e-6);
+    EXPECT_NEAR(fine.impulse, row.impulse, 1e-7);
+    EXPECT_LT(std::abs(fine.ends - row.ends), 0.25 * std::abs(coarse.ends - row.ends));
+    EXPECT_LT(std::abs(fine.impulse - row.impulse), 0.1 * std::abs(coarse.impulse - row.impulse));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "input/described_scene.hpp"
 #include "laws/scene.hpp"
 #include "report/scene_check.hpp"
 
@@ -102,6 +103,28 @@ TEST(Law, WantsItsOwnNumbersAndNoOthers) {
   expect(scene("", "contact = 3\n"), "left.contact", "unknown key");
 }
 
+// The exact a = lambda V of e, which 3 (1 - e) / 2 is only for e near 1.
+TEST(Law, OfHuntAndCrossleyMayBeGivenByARestitution) {
+  for (const auto& [e, a] : {std::array{0.9, 0.16648195069},
+                             {0.7, 0.63482828127},
+                             {0.5, 1.4327505333},
+                             {0.3, 3.0870819811},
+                             {0.1, 9.9981593975},
+                             {1.0, 0.0}}) {
+    const auto told = fmt::format("law = \"hunt_crossley\", stiffness = 3, restitution = {}, speed = 2", e);
+    EXPECT_NEAR(2.0 * parse_scene(scene("", "contact = { " + told + " }\n"), "").run.scene.left_input.stop->damping, a,
+                2e-10 + 1e-9 * a);
+  }
+  const std::string shared = "[contact]\nlaw = \"hunt_crossley\"\nstiffness = 3\nrestitution = 0.5\nspeed = 2\n";
+  EXPECT_NEAR(parse_scene(scene(shared), "").run.scene.right_input.stop->damping, 0.5 * 1.4327505333, 1e-9);
+  EXPECT_NE(findings(scene(shared + "damping = 1\n")).find("contact.speed: excludes contact.damping"),
+            std::string::npos);
+  const Outcome run = outcome(
+      lone_mass("mass = 1\ncontact = { law = \"hunt_crossley\", stiffness = 7, restitution = 0.5, speed = 2 }\n", 2.0,
+                3.0, "cvode"));
+  EXPECT_NEAR(run.events.at(1).velocity, 1.0, 1e-8);
+}
+
 TEST(Law, IsInTheDescriptionThatMakesTheSameScene) {
   const SceneFile first =
       parse_scene(scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\n", contact("spring_damper", 7, 2)), "");
@@ -130,7 +153,8 @@ TEST(Law, KeepsTheBitsOfARunThatIsResumed) {
   for (const char* method : all_methods)
     for (const char* law : {"spring_damper", "hunt_crossley"}) {
       SCOPED_TRACE(fmt::format("{} {}", method, law));
-      const Setup setup = resolve(parse_scene(thrown_bar(contact(law, 20.0, 1.0), 0.1, 8, 3.0, method), "").run);
+      const viscobar::Setup setup =
+          resolve(parse_scene(thrown_bar(contact(law, 20.0, 1.0), 0.1, 8, 3.0, method), "").run);
       std::vector<double> whole, resumed;
       std::vector<Checkpoint> taken;
       const auto observers = [](std::vector<double>& told) {

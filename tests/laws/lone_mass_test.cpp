@@ -134,5 +134,32 @@ TEST(LoneMass, ThatIsPressedComesBackToASurfaceThatHasRelaxed) {
     }
 }
 
+// x'' = f - N with f = 0.9 away from the stop, lambda = 4: it gains the speed 1 / lambda inside, where the stop would
+// pull beyond it. By formulas of order 4 on 2^15 steps, and the zero of 1 + lambda d' on the last.
+TEST(LoneMass, ThatIsPulledOutFasterThanItsStopFollowsIsLetGo) {
+  const double lambda = 4.0, pull = 0.9, h = 0x1p-14;
+  double d = 0.0, v = 1.0, t = 0.0, before = v;
+  const auto rate = [&](double depth, double speed) {
+    return -pull - std::pow(std::max(depth, 0.0), 1.5) * (1.0 + lambda * speed);
+  };
+  for (; 1.0 + lambda * v > 0.0; t += h) {
+    before = v;
+    const double a1 = rate(d, v), v2 = v + 0.5 * h * a1, a2 = rate(d + 0.5 * h * v, v2), v3 = v + 0.5 * h * a2,
+                 a3 = rate(d + 0.5 * h * v2, v3), v4 = v + h * a3, a4 = rate(d + h * v3, v4);
+    d += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  }
+  ASSERT_GT(d, 0.01);
+  const double opens = t - h * (1.0 / lambda + v) / (v - before);  // v falls; it is linear within h to h^2
+  for (const char* method : all_methods) {
+    SCOPED_TRACE(method);
+    const Outcome run = outcome(lone_mass(
+        fmt::format("mass = 1\nforce = {}\n", pull) + contact("hunt_crossley", 1.0, lambda), 1.0, opens + 0.5, method));
+    ASSERT_EQ(run.events.size(), 2u);
+    EXPECT_NEAR(run.events[1].time, opens, h * h);
+    EXPECT_NEAR(run.events[1].velocity, 1.0 / lambda, close_enough);
+    EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, close_enough);
+  }
+}
+
 }  // namespace
 }  // namespace viscobar::laws

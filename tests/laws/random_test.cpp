@@ -121,13 +121,12 @@ std::vector<double> reference(const Scene& scene) {
   std::vector<double> y(2 * static_cast<std::size_t>(n) + 2, 0.0);
   std::fill_n(y.begin() + n, n, scene.speed);
   using namespace boost::numeric::odeint;
-  integrate_adaptive(make_controlled(1e-12, 1e-12, runge_kutta_fehlberg78<std::vector<double>>()), rates, y, 0.0,
-                     scene.end, 1e-4);
+  integrate_adaptive(make_controlled(1e-13, 1e-13, runge_kutta_dopri5<std::vector<double>>()), rates, y, 0.0, scene.end,
+                     1e-4);
   return y;
 }
 
 TEST(RandomStops, HaveOneMotionByAllMethodsAndByThePlainEquations) {
-  double worst = 0.0, worst_balance = 0.0;
   std::size_t contacts = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     const Scene scene = draw(seed);
@@ -149,14 +148,10 @@ TEST(RandomStops, HaveOneMotionByAllMethodsAndByThePlainEquations) {
       const Statistics done = simulate(resolve(run), observers);
       // The tolerance of the solution is 1e-9 of u and v, both of which are about 1, its promised multiple 100; what
       // an impact magnifies is bounded by the stops' stiffness.
-      for (std::size_t i = 0; i < 2 * n; ++i) {
-        EXPECT_NEAR(last[i], truth[i], 1e-7);
-        worst = std::max(worst, std::abs(last[i] - truth[i]));
-      }
+      for (std::size_t i = 0; i < 2 * n; ++i) EXPECT_NEAR(last[i], truth[i], 1e-7);
       EXPECT_NEAR(done.account->left.impulse, truth[2 * n], 1e-7);
       EXPECT_NEAR(done.account->right.impulse, truth[2 * n + 1], 1e-7);
       EXPECT_NEAR(done.energy->balance_error(), 0.0, 1e-7);
-      worst_balance = std::max(worst_balance, std::abs(done.energy->balance_error()));
       if (first.empty()) first = events, contacts += events.size();
       EXPECT_EQ(events.size(), first.size());
       for (std::size_t k = 0; k < std::min(events.size(), first.size()); ++k)
@@ -164,7 +159,6 @@ TEST(RandomStops, HaveOneMotionByAllMethodsAndByThePlainEquations) {
     }
   }
   EXPECT_GT(contacts, 200u);
-  std::printf("worst %g balance %g contacts %zu\n", worst, worst_balance, contacts);
 }
 
 }  // namespace
