@@ -90,7 +90,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
     if (lets_go_ && lets_go(i)) {
       const auto change = change_of_stop(i, begin, end, values, -uncertainty(i) - of_time);
-      if (change && change->s < first) first = change->s, which_ = i, later = false, by_push_ = change->by_push;
+      if (change && change->s < first) first = change->s, which_ = i, later = change->later, by_push_ = change->by_push;
       continue;
     }
     const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
@@ -115,12 +115,16 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
                           (std::max(std::abs(weakest), std::abs(strongest)) + std::abs(*pushes_[i]->offset));
   const auto lets_go = Bernstein::through(pushes).first_descent(level - rounding);
   const auto first = [](std::optional<double> s, bool by_push) {
-    return s ? std::optional(StopChange{*s, by_push}) : std::nullopt;
+    return s ? std::optional(StopChange{*s, by_push, false}) : std::nullopt;
   };
   const auto by_depth = Bernstein::through(values).first_descent(level);
   if (system_.closed(i))
     return by_depth && !(lets_go && *lets_go < *by_depth) ? first(by_depth, false) : first(lets_go, true);
-  if (!by_depth || *by_depth > 0.0) return by_depth ? first(agreed(i, begin, end, *by_depth), false) : std::nullopt;
+  if (!by_depth) return std::nullopt;
+  if (*by_depth > 0.0) {
+    const auto s = agreed(i, begin, end, *by_depth);
+    return s ? std::optional(StopChange{*s, false, s != by_depth}) : std::nullopt;
+  }
   // It has been let go inside.
   std::array<double, Bernstein::max_degree + 1> outwards{};
   std::ranges::transform(values, outwards.begin(), std::negate());

@@ -102,11 +102,11 @@ class EventSearch {
   double against(std::size_t i, double t, std::span<const double> y);
   double against(std::size_t i, double t);
   std::optional<double> agreed(std::size_t i, double begin, double end, double s);
-  // Where a stop changes that lets go, as a part of the step, and whether by its push condition. `values` are those of
-  // its oriented indicator, of which `level` is uncertain.
+  // Where a stop changes that lets go, as a part of the step, whether by its push condition, and whether later than
+  // that or its indicator says. `values` are those of its oriented indicator, of which `level` is uncertain.
   struct StopChange {
     double s;
-    bool by_push;
+    bool by_push, later;
   };
   std::optional<StopChange> change_of_stop(std::size_t i, double begin, double end, std::span<const double> values,
                                            double level);
