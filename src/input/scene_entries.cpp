@@ -52,13 +52,11 @@ std::string unknown_table(std::string_view table) {
                  : fmt::format("unknown table; known are {}", listed(scene_tables()));
 }
 
-// Entries of a table, those of a table within it by their keys "inner.leaf": only contact of an end is one.
-std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, std::string_view table) {
+// Entries of a table, those of a table within it by their keys "inner.leaf".
+std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::string& table) {
   std::vector<TomlNode> all;
   for (const TomlNode& entry : entries) {
-    const bool splits = entry.kind == TomlNode::Kind::table && entry.key == "contact" &&
-                        (table == "left" || table == "right") && !entry.inside.empty();
-    if (!splits) {
+    if (entry.inside.empty() || !is_inner_table(table + "." + entry.key)) {
       all.push_back(entry);
       continue;
     }
@@ -154,6 +152,11 @@ void SceneEntries::add_override(const std::string& text) {
 }
 
 void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at) {
+  if (const auto* inner = std::get_if<SceneTable>(&value); inner && is_inner_table(name)) {
+    for (const auto& [leaf, entry] : *inner)
+      std::visit([&, &key = leaf](const auto& one) { lay_over(name + "." + key, one, key_at, value_at); }, entry);
+    return;
+  }
   const std::string source(override_source);
   const std::size_t dot = name.find('.');
   const std::string table(dot == name.npos ? "" : name.substr(0, dot));

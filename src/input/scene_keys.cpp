@@ -260,6 +260,12 @@ std::span<const SceneKey> scene_keys() {
   return keys;
 }
 
+bool is_inner_table(std::string_view name) {
+  return name.find('.') != name.npos && std::ranges::any_of(scene_keys(), [&](const SceneKey& key) {
+           return key.name.size() > name.size() && key.name.starts_with(name) && key.name[name.size()] == '.';
+         });
+}
+
 std::string_view parameter_name(std::string_view name) { return name.substr(name.find('.') + 1); }
 
 bool is_parameter(std::string_view name) { return name.starts_with("parameters.") && !parameter_name(name).empty(); }

@@ -52,6 +52,9 @@ std::span<const SceneKey> scene_keys();
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
 
+/// True if keys stand in a table of that name within another one: "left.contact".
+bool is_inner_table(std::string_view name);
+
 /// True if that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);
 /// That NAME.

@@ -55,6 +55,10 @@ TEST(Law, IsOverriddenByItsKeys) {
   const Case run = parse_scene(scene("", contact("spring_damper", 7, 2)), "", set).run;
   EXPECT_EQ(run.scene.left_input.stop->law, Law::hunt_crossley);
   EXPECT_EQ(run.scene.left_input.stop->stiffness, 9.0);
+  const std::array<std::string, 1> table = {"left.contact={ law = \"hertz\", stiffness = 5 }"};
+  const Case other = parse_scene(scene(""), "", table).run;
+  EXPECT_EQ(other.scene.left_input.stop->law, Law::hertz);
+  EXPECT_EQ(other.scene.left_input.stop->stiffness, 5.0);
 }
 
 TEST(Law, ChoosesTheMethodAndTheMass) {
