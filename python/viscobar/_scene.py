@@ -73,6 +73,10 @@ class Scene(dict):
                 table = scene.setdefault(name, {})
                 if not isinstance(table, dict):
                     raise SceneError([Finding(name, f"is {table!r}, not a table")])
+            inner, dot, last = leaf.partition(".")
+            if dot and name in ("left", "right") and isinstance(table.get(inner, {}), dict):
+                table[inner] = dict(table.get(inner, {}))  # left.contact.law: a table of the end
+                table, leaf = table[inner], last
             if value is None:
                 table.pop(leaf, None)
             else:

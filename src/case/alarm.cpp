@@ -56,7 +56,7 @@ std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Sta
     if (const double taken = energy.dissipated - energy.end_inertia; !scheme && taken < -sound)
       all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", taken),
                      taken < -0.01 * largest});
-    if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty()) {
+    if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty() && !has_stops(run.scene)) {
       const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / setup.epsilon;
       const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);
       if (statistics.max_penetration > deepest)

@@ -52,7 +52,7 @@ std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegi
   if (elastic) offer("contact.restitution = 0", [](Case& changed) { changed.restitution = 0.0; });
   if (regime && regime->quiet_epsilon > 0.0)
     add(fmt::format("contact.epsilon of at least {:.2g}", regime->quiet_epsilon));
-  else if (is_penalised(run.method))
+  else if (is_penalised(run.method) && has_penalty(run.scene))
     add("a larger contact.epsilon");
   return remedies;
 }

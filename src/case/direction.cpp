@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "viscobar/case/case.hpp"
 
@@ -69,6 +71,17 @@ Direction direction(const Case& run, std::string_view key) {
       {"contact.epsilon", &along.epsilon},
       {"contact.restitution", &along.restitution},
   };
+  // The numbers of stops: of an end's own, or of all that have those of [contact].
+  std::vector<double*> of_stops;
+  for (const auto& [end, input, rates] :
+       {std::tuple{"left", &scene.left_input, &data.left_input}, {"right", &scene.right_input, &data.right_input}}) {
+    if (!input->stop) continue;
+    rates->stop = *input->stop;
+    rates->stop->stiffness = rates->stop->damping = 0.0;
+    if (key == input->stop->key(end, "stiffness")) of_stops.push_back(&rates->stop->stiffness);
+    if (key == input->stop->key(end, "damping") && has_damper(input->stop->law))
+      of_stops.push_back(&rates->stop->damping);
+  }
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: {}", key, why));
   };
@@ -79,16 +92,22 @@ Direction direction(const Case& run, std::string_view key) {
     return along;
   }
   const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
+  for (double* number : of_stops) *number = 1.0;
+  if (!of_stops.empty()) return along;
+  if (key.find("contact.") != key.npos && (key.ends_with(".stiffness") || key.ends_with(".damping")))
+    refuse("no stop of the scene has this number");
   if (place == std::end(places)) {
     std::string known;
     for (const auto& [name, number] : places) known.append(known.empty() ? "" : ", ").append(name);
-    refuse(fmt::format("known are {}, side.stiffness, side.drag and parameters.NAME", known));
+    refuse(fmt::format(
+        "known are {}, side.stiffness, side.drag, the stiffness and damping of contact laws, and parameters.NAME",
+        known));
   }
   if (!place->second) refuse("the scene has no such obstacle");
   if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))
     if (is_fixed(key.starts_with("left") ? scene.left : scene.right))
       refuse("a fixed end has no spring, no dashpot and no mass");
-  if (key == "contact.epsilon" && !(is_penalised(run.method) && meets_obstacle(scene)))
+  if (key == "contact.epsilon" && !(is_penalised(run.method) && has_penalty(scene)))
     refuse("the run has no penalised contact");
   if (key == "contact.restitution") {
     if (!meets_obstacle(scene)) refuse("the scene has no obstacle");

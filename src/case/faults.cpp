@@ -123,6 +123,11 @@ void check_input(const std::string& table, const EndCondition& end, const EndInp
                     "\"redistributed\" takes the mass that the spring, the dashpot and the mass of [{}] "
                     "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",
                     table);
+  if (input.stop && setup.mass == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+    findings.report("mesh.mass",
+                    "\"redistributed\" takes the mass that a stop by {} meets from the node; use \"fourth_order\", "
+                    "\"consistent\" or \"lumped\"",
+                    name(input.stop->law));
 }
 
 void check_end_rows(const Case& run, Findings& findings) {
@@ -234,6 +239,8 @@ void check_method(const Setup& setup, Findings& findings) {
   const MethodRow& method = method_row(run.method);
   if (!method.takes_algebraic_rows && has_algebraic_rows(run) && findings.sound({"mesh.mass", "bar.viscosity"}))
     return findings.add({algebraic_rows(method.name)});
+  const auto law = law_refusal(method.name, run.scene.left_input, run.scene.right_input);
+  if (law && !method.takes_laws) return findings.add({*law});
   switch (run.method) {
     case MethodName::odeint: return check_odeint(setup, findings);
     case MethodName::rigid: return check_rigid(run, findings);

@@ -31,6 +31,7 @@ struct MethodRow {
   Mass (*mass)(const Case&) = nullptr;                     ///< that it runs on, where not the case's
   bool differentiates = false;                             ///< tells sensitivities
   bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
+  bool takes_laws = false;                                 ///< stops with a law of their own
 
   /// Whether that of massless contact nodes, whose rows are algebraic without viscosity.
   bool takes_massless(const Case& on) const { return takes_algebraic_rows || on.scene.bar.viscosity > 0.0; }

@@ -62,6 +62,50 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
   return {speed, speed * std::sqrt(effective_mass * epsilon) * node_peak(zeta), Layer::node};
 }
 
+namespace {
+
+// How a mass comes to rest in a stop, and how it leaves: m x'' = -N(x, x'), by the classical formulas of order 4.
+StopForecast lone_mass(double mass, const Stop& stop, double speed) {
+  StopForecast found{.speed = speed, .restitution = 1.0};
+  double shallow = 0.0, deep = 1.0;  // without damping all its energy is in the spring
+  const double energy = 0.5 * mass * speed * speed;
+  while (stop.energy(deep) < energy) deep *= 2.0;
+  while (deep - shallow > 1e-3 * deep)
+    (stop.energy(0.5 * (shallow + deep)) < energy ? shallow : deep) = 0.5 * (shallow + deep);
+  const double stiffest = std::max(stop.by_rate(deep, speed), stop.by_rate(deep, 0.0)) / mass;
+  const double h = std::min(2e-3 * deep / speed, 0.2 / stiffest);
+  double x = 0.0, v = speed;
+  const auto slope = [&](double at, double rate) { return -std::max(0.0, stop.force(std::max(at, 0.0), rate)) / mass; };
+  for (int step = 0; step < 1000000; ++step) {
+    const double force = stop.force(x, v);
+    if (step > 0 && (force <= 0.0 || x < 0.0)) break;
+    found.force = std::max(found.force, force);
+    const double a1 = slope(x, v), v2 = v + 0.5 * h * a1, a2 = slope(x + 0.5 * h * v, v2), v3 = v + 0.5 * h * a2,
+                 a3 = slope(x + 0.5 * h * v2, v3), v4 = v + h * a3, a4 = slope(x + h * v3, v4);
+    x += h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+    v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    found.penetration = std::max(found.penetration, x);
+  }
+  found.restitution = -v / speed;
+  found.damping_ratio =
+      stop.by_rate(found.penetration, 0.0) / (2.0 * std::sqrt(mass * stop.by_depth(found.penetration, 0.0)));
+  return found;
+}
+
+}  // namespace
+
+StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed) {
+  StopForecast whole = lone_mass(end_mass + bar.density * bar.length, stop, speed);
+  const double pressed = std::sqrt(bar.density * bar.modulus) * speed;
+  double shallow = 0.0, deep = whole.penetration;
+  while (deep - shallow > 1e-3 * deep)
+    (stop.force(0.5 * (shallow + deep), 0.0) < pressed ? shallow : deep) = 0.5 * (shallow + deep);
+  const StopForecast alone = end_mass > 0.0 ? lone_mass(end_mass, stop, speed) : StopForecast{};
+  whole.penetration = std::max(alone.penetration, std::min(whole.penetration, deep));
+  whole.force = std::max(alone.force, std::min(whole.force, pressed));
+  return whole;
+}
+
 std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   std::vector<ContactRegime> regimes;
@@ -80,6 +124,12 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
     }
     const double h = system.spacing_at(contact.unknown), m = masses[contact.unknown];
     ContactRegime regime{.where = contact.where, .effective_mass = m};
+    if (const auto& stop = system.stop(contact)) {
+      regime.stop = stop;
+      if (v < 0.0) regime.forecast = forecast(bar, system.inputs()[contact.where == Where::right].mass, *stop, -v);
+      regimes.push_back(regime);
+      continue;
+    }
     if (m > 0.0) {
       regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / bar.modulus;
@@ -175,6 +225,8 @@ std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>
       std::min(setup.mesh.spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
   constexpr double most_nodal_steps = 1e8;
   if (1.5 * run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
+  // A rigid obstacle is met no later.
+  trial.scene.left_input.stop = trial.scene.right_input.stop = {};
   const double step = *trial.step;
   const Sight fine = foreseen_by(trial, 1e300, stop);
   trial.step = 2.0 * step;
@@ -209,7 +261,7 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   double mass = 0.0;
   bool obstacle = false;
   for (const Contact& contact : system.contacts()) {
-    if (contact.where == Where::span) continue;
+    if (contact.where == Where::span || system.stop(contact)) continue;
     obstacle = true;
     mass = std::max(mass, system.effective_masses()[contact.unknown]);
   }

@@ -34,6 +34,18 @@ struct ImpactPrediction {
   Layer layer = Layer::node;  ///< on which it rests
 };
 
+/// What a stop with a law of its own does to a bar of the mass rho L that comes to it at a given speed, with the mass m
+/// of that end: of the lone masses m and m + rho L, whose motion is integrated, and of a long elastic bar, which
+/// presses with sqrt(E rho) V at most.
+struct StopForecast {
+  double speed = 0.0;          ///< V > 0
+  double penetration = 0.0;    ///< about the deepest: that of m, or the less of the other two
+  double force = 0.0;          ///< about the largest, on a bar of section 1
+  double damping_ratio = 0.0;  ///< zeta of the lone mass m + rho L at its deepest, dN/dd' / (2 sqrt((m + rho L) dN/dd))
+  double restitution = 0.0;    ///< speed that the law leaves to a lone mass m + rho L, as a part of V
+};
+StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed);
+
 /// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /
 /// epsilon, dashpot to the next node.
 struct ContactRegime {
@@ -50,6 +62,8 @@ struct ContactRegime {
   double quiet_epsilon = 0.0;
   /// Absent where the initial velocity does not point to the obstacle.
   std::optional<ImpactPrediction> impact{};
+  std::optional<Stop> stop{};              ///< its own law, then with a forecast instead of the impact, and no ratio
+  std::optional<StopForecast> forecast{};  ///< absent as the impact is
 };
 
 /// Peak of the penetration of a long bar that meets a penalised obstacle at speed V > 0 (docs/penalty-limit.md).

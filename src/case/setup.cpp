@@ -13,10 +13,10 @@ namespace viscobar {
 
 namespace {
 
-// An end that is mounted wants its mass.
+// An end that is mounted, or meets a stop with a law of its own, wants its mass.
 bool mounts_a_contact(const Scene& scene) {
   const auto mounted = [](const EndCondition& end, const EndInput& input) {
-    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0);
+    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0 || input.stop);
   };
   return mounted(scene.left, scene.left_input) || mounted(scene.right, scene.right_input);
 }
@@ -47,7 +47,7 @@ Chosen<Mass> mass_of(const Case& run) {
   if (const auto own = method_row(run.method).mass) return {own(run), "the method has no other"};
   if (run.mass) return {*run.mass, asked};
   if (impacts_stay(run)) return {Mass::lumped, "impacts under a span obstacle stay with their nodes"};
-  const bool penalised = is_penalised(run.method) && meets_obstacle(run.scene);
+  const bool penalised = is_penalised(run.method) && has_penalty(run.scene);
   if (!penalised && run.elements >= 3 && run.grading == 1.0)
     return {Mass::fourth_order, "the most accurate, and no contact is penalised"};
   if (redistributes(run) && !(penalised && !method_row(run.method).takes_massless(run)))
@@ -117,7 +117,7 @@ double natural_epsilon(const Scene& scene) {
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
-  if (run.epsilon) {
+  if (run.epsilon || has_stops(scene)) {
     const bool massless = run.mass ? end_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }

@@ -11,6 +11,7 @@ namespace viscobar {
 
 std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
   const Bar& bar = scene.bar;
+  if (auto law = law_refusal("characteristics", scene.left_input, scene.right_input)) return law;
   if (bar.viscosity > 0.0)
     return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes "
                                               "them; use rigid, or one of the penalised methods",

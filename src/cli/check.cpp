@@ -44,6 +44,15 @@ std::string impact_text(const Case& run, const std::optional<Foresight>& foresee
 }
 
 std::string to_text(const ContactRegime& regime) {
+  if (regime.stop) {
+    const auto& found = regime.forecast;
+    if (!found) return fmt::format("by {}; no impact is predicted", viscobar::name(regime.stop->law));
+    return fmt::format(
+        "by {}, damping ratio zeta = {:.3g}: a lone mass leaves with {:.3g} of its speed; impact at speed "
+        "{:.3g}, predicted penetration {:.2g}, peak {:.2g}",
+        viscobar::name(regime.stop->law), found->damping_ratio, found->restitution, found->speed, found->penetration,
+        found->force);
+  }
   const bool rebounds = regime.damping_ratio && *regime.damping_ratio < 1.0;
   std::string text = "massless node, no bounce";
   if (regime.damping_ratio)

@@ -64,6 +64,10 @@ int study_limit(const LimitOptions& asked) {
     run.method = penalised_method(run);
   });
   study.scene = scene.run;
+  if (has_stops(study.scene.scene))
+    refuse("{}: limit studies the penalty, and this stop has a law of its own, which is no limit's; leave the law out",
+           (study.scene.scene.left_input.stop ? study.scene.scene.left_input.stop->key("left", "law")
+                                              : study.scene.scene.right_input.stop->key("right", "law")));
   if (!meets_obstacle(study.scene.scene))
     refuse("{}: the scene has no obstacle, so there is nothing to penalise", asked.scene.file);
   const std::size_t meshes = std::max<std::size_t>(1, study.elements.size());

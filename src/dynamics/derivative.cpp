@@ -32,7 +32,8 @@ Scene mounted(Scene data, const BarSystem& bar) {
   data.side.reset();
   for (const auto& [input, of_bar] :
        {std::pair{&data.left_input, &bar.inputs()[0]}, {&data.right_input, &bar.inputs()[1]}})
-    input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot, input->mass = of_bar->mass;
+    input->stiffness = of_bar->stiffness, input->dashpot = of_bar->dashpot, input->mass = of_bar->mass,
+    input->stop = of_bar->stop;
   return data;
 }
 
@@ -92,9 +93,17 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                         std::abs(rates.mass) / (bar.density * bar.length);
   }
   take_side(direction, stretched);
+  const double least_damping = std::sqrt(bar.density / bar.modulus);  // of lambda; small beside that of a dashpot
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
-    if (!system.rigid()) {
+    if (const Stop* stop = system.stop(i)) {
+      const bool right = system.contact(i).where == Where::right;
+      if (const auto& own = (right ? direction.data.right_input : direction.data.left_input).stop)
+        rates = {own->stiffness, own->damping};
+      relative_change_ += std::abs(rates.stiffness) / stop->stiffness;
+      if (rates.damping != 0.0) relative_change_ += std::abs(rates.damping) / std::max(stop->damping, least_damping);
+      if (!stop->linear()) motion_.linearise(i, {});
+    } else if (!system.rigid()) {
       const PenaltyLaw& law = system.law(i);
       const Contact& contact = system.contact(i);
       // k = weight / epsilon, b = 2 zeta (k m)^(1/2)
@@ -203,6 +212,10 @@ auto Derivative::moving(std::span<const double> w) const {
 void Derivative::drive(const Moment& at) {
   if (system_.bar().moving())
     for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
+  for (const auto& [i, law] : system_.bent()) {
+    const std::size_t node = system_.contact(i).unknown;
+    motion_.linearise(i, system_.tangent(i, system_.clearance(i, at.u), at.w[node]));
+  }
   if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
@@ -237,8 +250,7 @@ void Derivative::drive(const Moment& at) {
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!system_.closed(i) || system_.holds(i)) continue;
     const std::size_t node = system_.contact(i).unknown;
-    added_[node] -= system_.contact(i).sign * laws_[i].stiffness * system_.clearance(i, at.u);
-    added_[node] -= laws_[i].damping * at.w[node];
+    added_[node] += law_rate(i, system_.clearance(i, at.u), at.w[node]);
     if (node == 0) rates[0] -= laws_[i].stiffness * at.w[node];
     if (node + 1 == n) rates[1] -= laws_[i].stiffness * at.w[node];
   }
@@ -303,10 +315,23 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
   // The remainder of its row; the inertia of the neighbours, of the bar itself, is in the added force.
   if (system_.holds(i)) return motion_.holding_force(i, at.t, s, rate);
   const std::size_t node = system_.contact(i).unknown;
-  const PenaltyLaw& law = system_.law(i);
+  return motion_.contact_force(i, motion_.clearance(i, s), rate[node]) +
+         law_rate(i, system_.clearance(i, at.u), at.w[node]);
+}
+
+double Derivative::law_rate(std::size_t i, double clearance, double w) const {
   const double sign = system_.contact(i).sign;
-  return -sign * (law.stiffness * motion_.clearance(i, s) + laws_[i].stiffness * system_.clearance(i, at.u)) -
-         law.damping * rate[node] - laws_[i].damping * at.w[node];
+  if (const Stop* law = system_.bent(i))
+    return sign * (law->by_stiffness(-clearance, -sign * w) * laws_[i].stiffness +
+                   law->by_damping(-clearance, -sign * w) * laws_[i].damping);
+  return -sign * laws_[i].stiffness * clearance - laws_[i].damping * w;
+}
+
+double Derivative::push_rate(std::size_t i, const Moment& at, std::span<const double> s,
+                             std::span<const double> rate) const {
+  const std::size_t node = system_.contact(i).unknown;
+  return system_.push_rate(i, motion_.clearance(i, s), rate[node], at.w[node],
+                           {.stiffness = laws_[i].stiffness, .damping = laws_[i].damping});
 }
 
 double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<const double> s,
@@ -408,6 +433,12 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const double clearance = system_.clearance(i, at.u);
     if (system_.holds(i) || system_.moves(i) || clearance >= 0.0) continue;
+    if (system_.stop(i) && !system_.closed(i)) continue;
+    if (const Stop* law = system_.bent(i)) {
+      sum += law->energy(-clearance) * laws_[i].stiffness / law->stiffness;
+      sum -= law->force(-clearance, 0.0) * motion_.clearance(i, s);
+      continue;
+    }
     sum += clearance * (system_.law(i).stiffness * motion_.clearance(i, s) + 0.5 * laws_[i].stiffness * clearance);
   }
   return sum;

@@ -134,6 +134,8 @@ class Derivative {
   /// Derivative of the reaction whose zero opens closed contact i: the same where it holds(), else that of
   /// row_reaction().
   double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
+  /// Derivative of the push condition of contact i (see PenalisedSystem::push_weights).
+  double push_rate(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
   /// Displacements, velocities and accelerations at all nodes.
   struct Nodal {
     std::span<const double> u, v, a;
@@ -163,9 +165,11 @@ class Derivative {
 
  private:
   struct LawRates {
-    double stiffness, damping;
+    double stiffness, damping;  // of a stop those of its numbers
   };
   void take_side(const Direction& direction, double stretched);
+  // dR/dp at the same motion.
+  double law_rate(std::size_t i, double clearance, double w) const;
   void add_frame();
   // Terms of the frame, by the end's entry among the unknowns.
   auto placed(std::span<const double> u) const;  // the displacement of the bar itself at a node

@@ -27,6 +27,15 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
     if (rigid_ && size() < 2)
       throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
+    if (const auto& stop = bar.stop(contact)) {
+      if (rigid_ || massless(contact.unknown))
+        throw std::invalid_argument("a stop with a law of its own wants a node with mass, and is not rigid");
+      stops_.push_back({laws_.size(), *stop});
+      if (!stop->linear()) bent_.push_back(stops_.back());
+      stops_take_ |= stop->damping > 0.0;
+      laws_.push_back(stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{});
+      continue;
+    }
     const bool dashpot = !rigid_ && penalty.restitution < 1.0;
     laws_.push_back(rigid_ ? PenaltyLaw{infinite, 0.0}
                            : penalty_law(penalty, contact.weight, dashpot ? bar.contact_mass(contact) : 0.0));
@@ -114,6 +123,7 @@ bool PenalisedSystem::held(std::size_t unknown) const {
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
   if (follows(i)) return {neighbour(node)};
+  if (push_weights(i)) return {node, node, size() + node};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
   const std::size_t beyond = node == 0 ? 2 : node - 2;
@@ -211,7 +221,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
-    out[node] -= contact(i).sign * laws_[i].stiffness * clearance(i, u) + laws_[i].damping * w[node];
+    out[node] += contact_force(i, clearance(i, u), w[node]);
   }
 }
 
@@ -317,8 +327,10 @@ std::array<double, 3> PenalisedSystem::reactions(double t, std::span<const doubl
     if (!closed(i) || !(left || right || span)) continue;
     const double sign = contact(i).sign;
     if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
-    const double reaction = !holds(i) ? laws_[i].reaction(-clearance(i, u), -sign * w[node])
-                                      : std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)));
+    const double clear = clearance(i, u);
+    const double reaction = holds(i)  ? std::max(0.0, sign * (collides(i) ? held_force(i) : holding_force(i, t, u, w)))
+                            : stop(i) ? std::max(0.0, clear < 0.0 ? sign * contact_force(i, clear, w[node]) : 0.0)
+                                      : laws_[i].reaction(-clear, -sign * w[node]);
     if (left) sum[0] += sign * reaction;
     if (right) sum[1] += sign * reaction;
     if (span) sum[2] += sign * reaction;
@@ -377,7 +389,9 @@ double PenalisedSystem::energy(std::span<const double> u, std::span<const double
 double PenalisedSystem::contact_energy(std::span<const double> u) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (!holds(i) && !moves(i)) sum += laws_[i].energy(-clearance(i, u));
+    if (!holds(i) && !moves(i) && !stop(i)) sum += laws_[i].energy(-clearance(i, u));
+  for (const auto& [i, law] : stops_)
+    if (closed(i)) sum += law.energy(-clearance(i, u));
   return sum;
 }
 

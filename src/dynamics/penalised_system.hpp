@@ -25,11 +25,21 @@ namespace viscobar {
 /// At epsilon = 0 this is the rigid obstacle: k is infinite, a closed node is held at -s gap, its reaction is what its
 /// row lacks, and it opens when that reaches zero. A node with mass has an impact as it closes, see collide().
 ///
+/// An end may have a Stop of its own instead of the penalty. A linear one is a k_i and a b_i like any; another adds its
+/// force N(d_i, d_i'), and no more to the matrices. It is closed while it pushes, see push_weights().
+///
 /// Refers to a BarSystem that must outlive it; one object per integration (it owns the load's buffers).
 class PenalisedSystem {
  public:
+  /// A contact and its own law.
+  struct OwnStop {
+    std::size_t contact;
+    Stop law;
+  };
+
   /// @throws std::invalid_argument for contacts without epsilon, and for epsilon = 0 under a span obstacle, whose nodes
-  /// collide together, or where a contact node has no unknown node beside it
+  /// collide together, or where a contact node has no unknown node beside it; for a stop on a node without mass, or at
+  /// epsilon = 0
   PenalisedSystem(const BarSystem& bar, const Penalty& penalty);
 
   const BarSystem& bar() const { return bar_; }     ///< without its contacts
@@ -37,7 +47,10 @@ class PenalisedSystem {
 
   std::size_t contact_count() const { return laws_.size(); }                  ///< N
   const Contact& contact(std::size_t i) const { return bar_.contacts()[i]; }  ///< 0 <= i < N
-  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i
+  const PenaltyLaw& law(std::size_t i) const { return laws_[i]; }             ///< of contact i; its linear part
+  const Stop* stop(std::size_t i) const { return stop_in(stops_, i); }        ///< of contact i; null: the penalty
+  const Stop* bent(std::size_t i) const { return stop_in(bent_, i); }         ///< the same, of one that is not linear
+  std::span<const OwnStop> bent() const { return bent_; }                     ///< all of those
   bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
   /// True if the obstacle of contact i moves in the frame: it does not act then, and is looked for by gap(t) alone.
   bool moves(std::size_t i) const { return bar_.moves(contact(i)); }
@@ -66,6 +79,8 @@ class PenalisedSystem {
   double clearance(std::size_t i, std::span<const double> u) const {
     return contact(i).sign * u[contact(i).unknown] + offsets_[i];
   }
+  /// That of u = 0.
+  double clearance_at_origin(std::size_t i) const { return offsets_[i]; }
   /// Indicator of contact i. It is closed by the sign of p = linear part of some entries of (u, w) + offset(t),
   /// negative where it should be closed. p is a displacement:
   ///
@@ -97,6 +112,12 @@ class PenalisedSystem {
   /// True if p has accelerations: of a rigid contact with mass, while it is closed.
   bool indicator_needs_rates(std::size_t i) const { return collides(i) && closed(i); }
   double indicator_offset(std::size_t i, double t);  ///< the rest: gap, and load where the row asks for it
+  /// A stop that may let go pushes where p < 0 and this condition is negative, too, -(a d + b d' + e) of Stop::Push, of
+  /// the same entries; absent: of contact i p alone tells.
+  std::optional<IndicatorWeights> push_weights(std::size_t i) const;
+  /// The derivative of that condition, in the motion (u, w) that is one of this system by a parameter, by which those
+  /// of the stop's numbers are `rates`; w_bar is the velocity of the bar itself.
+  double push_rate(std::size_t i, double clearance, double w, double w_bar, const Stop& rates) const;
   /// Penetration of a closed contact per -p.
   double penetration_share(std::size_t i) const;
   /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
@@ -237,6 +258,16 @@ class PenalisedSystem {
   /// where it pushes. R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i, less k gap of a spring at that end.
   double row_reaction(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
 
+  /// Force of closed contact i, which does not hold(), in the direction of u, at a clearance and velocity of its node.
+  double contact_force(std::size_t i, double clearance, double w) const {
+    const double linear = -(contact(i).sign * laws_[i].stiffness * clearance + laws_[i].damping * w);
+    return bent_.empty() ? linear : linear + bent_force(i, clearance, w);
+  }
+  /// dN/dd and dN/dd' of contact i there.
+  PenaltyLaw tangent(std::size_t i, double clearance, double w) const;
+  /// Makes contact i, not linear in the bar, one of that linear law here: of a derivative, which has its tangent.
+  void linearise(std::size_t i, const PenaltyLaw& tangent);
+
   /// Energy of the springs of closed contacts.
   double contact_energy(std::span<const double> u) const;
   /// Kinetic, elastic and contact energy, in the frame of the system.
@@ -266,6 +297,19 @@ class PenalisedSystem {
     }
     return power;
   }
+  /// The same of closed stops that are not linear; `u` gives displacements by unknown.
+  double stop_loss(auto&& u, std::span<const double> w) const {
+    double power = 0.0;
+    for (const auto& [i, law] : bent_) {
+      const Contact& of = contact(i);
+      const double depth = -(of.sign * u(of.unknown) + offsets_[i]), rate = -of.sign * w[of.unknown];
+      if (closed(i)) power += (law.force(depth, rate) - law.force(depth, 0.0)) * rate;
+    }
+    return power;
+  }
+  /// What contact i, a stop, stores while it is closed.
+  double stop_energy(std::size_t i, std::span<const double> u) const { return stop(i)->energy(-clearance(i, u)); }
+  bool has_stops() const { return !stops_.empty(); }  ///< with a law of their own
   /// Contribution of a frame that moves (see BarSystem::lift_loss).
   double frame_loss(double t, std::span<const double> w) const {
     return bar_.moving() ? bar_.lift_loss(bar_.lift(t, 1), w) : 0.0;
@@ -282,9 +326,9 @@ class PenalisedSystem {
   };
   EndPower end_power(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) const;
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
-  /// By those, a mount's dashpot, drag along the bar, or impacts.
+  /// By those, a stop's, a mount's dashpot, drag along the bar, or impacts.
   bool takes_energy() const {
-    return dissipates() || collides_ || bar_.has_dashpots() || (bar_.side() && bar_.side()->has_drag());
+    return dissipates() || collides_ || bar_.has_dashpots() || stops_take_ || (bar_.side() && bar_.side()->has_drag());
   }
   bool loaded() const { return load_.has_value(); }               ///< f is not zero
   bool load_varies() const { return load_ && !load_->steady(); }  ///< f depends on time
@@ -297,6 +341,13 @@ class PenalisedSystem {
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
+  static const Stop* stop_in(std::span<const OwnStop> stops, std::size_t i) {
+    for (const OwnStop& one : stops)
+      if (one.contact == i) return &one.law;
+    return nullptr;
+  }
+  double bent_force(std::size_t i, double clearance, double w) const;
+  double push_time() const;
   void accelerate_held(double t, std::span<const double> u, std::span<const double> w);
   void accelerate_held();
   double held_force(std::size_t i) const;
@@ -312,7 +363,8 @@ class PenalisedSystem {
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;
-  std::vector<double> rates_;  // omega of each contact
+  std::vector<OwnStop> stops_, bent_;  // the latter those of them that are not linear
+  std::vector<double> rates_;          // omega of each contact
   std::vector<unsigned char> closed_, measured_, holds_;
   std::vector<double> acceleration_;                     // scratch
   std::array<double, 2> lacking_{};                      // -F at the ends, where that is the force that accelerates
@@ -320,7 +372,7 @@ class PenalisedSystem {
   TridiagonalFactor held_factor_;           // of rho M, nodes with mass that are held having an infinite one
   std::optional<std::uint64_t> held_from_;  // revision that it is of
   double restitution_;
-  bool dashpots_ = false, rigid_ = false, collides_ = false;
+  bool dashpots_ = false, rigid_ = false, collides_ = false, stops_take_ = false;
   std::uint64_t revision_ = 0;
   std::optional<LoadVector> load_;
   std::span<const double> added_;

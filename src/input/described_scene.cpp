@@ -99,7 +99,10 @@ void put(Json& tables, const SceneValues& values) {
     }
     // Not by [] on nothing: nlohmann's 3.11.2 ends by a signal where it finds no memory for a table made so.
     Json& table = *tables.emplace(key.substr(0, dot), Json::object()).first;
-    table[key.substr(dot + 1)] = json_of(value);
+    if (!is_parameter(key) && key.find('.', dot + 1) != key.npos)
+      put(table, {{key.substr(dot + 1), value}});
+    else
+      table[key.substr(dot + 1)] = json_of(value);
   }
 }
 
@@ -160,7 +163,7 @@ SceneFile with_settings(SceneFile scene, const Case& chosen) {
   const Setup setup = resolve(chosen);
   SceneValues& values = scene.values;
   scene.chosen.clear();
-  if (is_penalised(chosen.method) && meets_obstacle(chosen.scene) && !chosen.epsilon)
+  if (is_penalised(chosen.method) && has_penalty(chosen.scene) && !chosen.epsilon)
     scene.chosen.emplace_back("contact.epsilon", setup.epsilon);
   const auto set = [&](const char* key, SceneValue value) {
     auto at = std::ranges::find(values, key, &SceneValues::value_type::first);

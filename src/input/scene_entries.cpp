@@ -52,6 +52,22 @@ std::string unknown_table(std::string_view table) {
                  : fmt::format("unknown table; known are {}", listed(scene_tables()));
 }
 
+// Entries of a table, those of a table within it by their keys "inner.leaf".
+std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::string& table) {
+  std::vector<TomlNode> all;
+  for (const TomlNode& entry : entries) {
+    if (entry.inside.empty() || !is_inner_table(table + "." + entry.key)) {
+      all.push_back(entry);
+      continue;
+    }
+    for (TomlNode inside : entry.inside) {
+      inside.key = entry.key + "." + inside.key;
+      all.push_back(std::move(inside));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string unknown_key(std::string_view table, std::string_view leaf) {
@@ -115,7 +131,7 @@ void SceneEntries::add_text(const std::string& text) {
       if (!is_table(node))
         add_if_known(node, "", "");
       else if (const auto table = meant.find(node.key); table != meant.end())
-        for (const TomlNode& entry : node.inside) add_if_known(entry, node.key, table->second);
+        for (const TomlNode& entry : flat(node.inside, table->second)) add_if_known(entry, node.key, table->second);
   }
 }
 
@@ -136,6 +152,11 @@ void SceneEntries::add_override(const std::string& text) {
 }
 
 void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at) {
+  if (const auto* inner = std::get_if<SceneTable>(&value); inner && is_inner_table(name)) {
+    for (const auto& [leaf, entry] : *inner)
+      std::visit([&, &key = leaf](const auto& one) { lay_over(name + "." + key, one, key_at, value_at); }, entry);
+    return;
+  }
   const std::string source(override_source);
   const std::size_t dot = name.find('.');
   const std::string table(dot == name.npos ? "" : name.substr(0, dot));

@@ -10,6 +10,7 @@
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_entries.hpp"
+#include "input/scene_stop.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -57,6 +58,7 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
     input.force = EndForce{force->of_t(), force->breaks_and_pulses(0.0), force->is_constant()};
   if (const auto motion = entries.formula(side + ".motion"); motion && !motion->is_zero())
     input.motion = motion_of(*motion, "", 1.0, 0.0);
+  if (is_obstacle(end)) input.stop = stop_of(entries, side);
   if (const auto* obstacle = std::get_if<Obstacle>(&end))
     if (const auto gap = entries.formula(side + ".gap"); gap && !gap->is_constant())
       input.motion = motion_of_gap(*gap, "", *obstacle);
@@ -257,7 +259,7 @@ SceneValues choose(const SceneEntries& entries, const Setup& setup) {
   if (!entries.present("mesh.elements")) values.emplace_back("mesh.elements", static_cast<std::int64_t>(run.elements));
   if (!run.mass && run.method != MethodName::characteristics)
     values.emplace_back("mesh.mass", std::string(name(setup.mass)));
-  if (is_penalised(run.method) && meets_obstacle(run.scene) && !run.epsilon)
+  if (is_penalised(run.method) && has_penalty(run.scene) && !run.epsilon)
     values.emplace_back("contact.epsilon", setup.epsilon);
   if (is_scheme(run.method) && !run.step) values.emplace_back("method.step", setup.step);
   return values;
@@ -354,6 +356,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
   if (entries.readable()) {
     check_end(entries, "left");
     check_end(entries, "right");
+    check_laws(entries);
     check_load_keys(entries);
     check_side_keys(entries);
     check_motion(entries);

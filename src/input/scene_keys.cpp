@@ -62,6 +62,13 @@ constexpr Choice files[] = {
     {"energy", "energy.csv, where the energy is"},
     {"report", "report.html, the page with the pictures"},
 };
+constexpr std::string_view of_stiffness =
+    "k of contact.law: N = k d, or k d^(3/2); the penalty has contact.epsilon instead";
+constexpr std::string_view of_damping = "c of spring_damper, lambda of hunt_crossley";
+constexpr std::string_view of_restitution =
+    "instead of the damping of hunt_crossley: what is left of the speed of a lone mass that comes at contact.speed";
+constexpr std::string_view of_speed =
+    "of an impact after which hunt_crossley leaves contact.restitution of it, instead of a damping";
 constexpr Choice formulas[] = {
     {"automatic", "chosen leg by leg, by the bar's stiffness"},
     {"adams", "Adams-Moulton, for bars that are not stiff"},
@@ -99,6 +106,10 @@ constexpr SceneKey rows[] = {
     {"mesh.mass", choice, optional, "", "\"fourth_order\"", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
 
     {"contact.epsilon", number, optional, "", "1e-6", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
+    {"contact.law", choice, optional, "", "\"spring_damper\"", "", "law of the stops at the ends, for methods that know it, absent: the penalty in penalised methods, a rigid obstacle in the others; an end's own law is left.contact or right.contact, see below"},
+    {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
+    {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"contact.restitution", number, optional, "", "0.0", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
     {"method.name", choice, optional, "\"automatic\"", "\"automatic\"", "", "method of time integration"},
@@ -135,6 +146,11 @@ constexpr SceneKey end_rows[] = {
     {"motion", formula, optional, "", "\"0.1*sin(2*t)\"", "length", "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0", {}, {}, "t"},
     {"stiffness", number, optional, "", "2.0", "stress / length", "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0", not_negative},
     {"dashpot", number, optional, "", "0.1", "stress x time / length", "dashpot beside that spring", not_negative},
+    {"contact.law", choice, optional, "", "\"hertz\"", "", "law of the obstacle at this end, instead of that of [contact]"},
+    {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
+    {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.restitution", number, optional, "", "0.5", "1", of_restitution, {0.0, 1.0, "0 to 1"}},
+    {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
 };
 // clang-format on
@@ -187,17 +203,16 @@ std::string_view usual_name(std::string_view word) {
 // The words of masses, goals, methods and kinds of ends, which have tables of their own.
 std::span<const Choice> own_choices(std::string_view key) {
   static const auto all = [] {
-    std::vector<Choice> masses, goals, ends,
+    std::vector<Choice> masses, goals, ends, laws{{no_law, "that of contact.epsilon"}},
         methods{{automatic, "the method that suits the scene best, one for the whole run; summary.json names it"}};
     for (const Mass mass : all_masses) masses.push_back({name(mass), meaning(mass)});
     for (const Goal goal : all_goals) goals.push_back({name(goal), meaning(goal)});
     for (const MethodRow& row : method_table()) methods.push_back({row.name, row.meaning});
+    for (const Law law : all_laws) laws.push_back({name(law), meaning(law)});
     for (const EndKind& kind : end_kinds) ends.push_back({kind.name, kind.meaning});
-    return std::map<std::string_view, std::vector<Choice>>{{"mesh.mass", masses},
-                                                           {"accuracy.of", goals},
-                                                           {"method.name", methods},
-                                                           {"left.kind", ends},
-                                                           {"right.kind", ends}};
+    return std::map<std::string_view, std::vector<Choice>>{
+        {"mesh.mass", masses},      {"accuracy.of", goals},      {"method.name", methods}, {"contact.law", laws},
+        {"left.contact.law", laws}, {"right.contact.law", laws}, {"left.kind", ends},      {"right.kind", ends}};
   }();
   return all.at(key);
 }
@@ -215,6 +230,7 @@ void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
     }
   for (SceneKey row : end_rows) {
     row.name = key(row.name);
+    if (row.type == choice && row.choices.empty()) row.choices = own_choices(row.name);
     keys.push_back(row);
   }
 }
@@ -245,6 +261,12 @@ std::span<const SceneKey> scene_keys() {
     return all;
   }();
   return keys;
+}
+
+bool is_inner_table(std::string_view name) {
+  return name.find('.') != name.npos && std::ranges::any_of(scene_keys(), [&](const SceneKey& key) {
+           return key.name.size() > name.size() && key.name.starts_with(name) && key.name[name.size()] == '.';
+         });
 }
 
 std::string_view parameter_name(std::string_view name) { return name.substr(name.find('.') + 1); }
@@ -281,7 +303,7 @@ const SceneKey* find_scene_key(std::string_view name) {
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {
   if (table == "parameters" && !leaf.empty()) return find_scene_key(any_parameter);
-  if (leaf.find('.') != leaf.npos) return nullptr;  // a key in quotes
+  if (table.empty() && leaf.find('.') != leaf.npos) return nullptr;  // a key in quotes
   return find_scene_key(table.empty() ? std::string(leaf) : fmt::format("{}.{}", table, leaf));
 }
 

@@ -25,6 +25,9 @@ struct Choice {
   std::string_view name, meaning;
 };
 
+/// The law of a stop that has none of its own.
+inline constexpr std::string_view no_law = "penalty";
+
 /// All that is said about one key of a scene file. Reading, checking, suggesting and documenting go by this table.
 struct SceneKey {
   std::string_view name;  ///< "table.key", or a key above the first table
@@ -48,6 +51,9 @@ std::span<const SceneKey> scene_keys();
 /// The key of this full name; nullptr when there is none. All of [parameters] are the one row parameters.NAME.
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
+
+/// True if keys stand in a table of that name within another one: "left.contact".
+bool is_inner_table(std::string_view name);
 
 /// True if that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);

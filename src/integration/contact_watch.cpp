@@ -174,6 +174,13 @@ double ContactWatch::largest_reaction(const End& end, const std::size_t* positio
     const double rest = contact.sign * contact.clearance(end.origin);
     most -= stiffness * (lowest[position[0]] + rest), least -= stiffness * (highest[position[0]] + rest);
     if (end.entries.size() > 2) most -= damping * lowest[position[2]], least -= damping * highest[position[2]];
+    if (!system_.bent(i)) continue;
+    // Monotone in the depth, linear in its rate: the extremes are at corners.
+    for (const double u : {lowest[position[0]], highest[position[0]]})
+      for (const double w : {lowest[position[2]], highest[position[2]]}) {
+        const double force = system_.contact_force(i, contact.sign * (u + rest), w);
+        most = std::max(most, force), least = std::min(least, force);
+      }
   }
   return std::max(most, -least);
 }
@@ -291,8 +298,9 @@ void ContactWatch::watch(EndAccount& account, bool right) {
     if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
-  end.direct = end.follows ||
-               std::ranges::all_of(end.contacts, [&](std::size_t i) { return system_.relative_stiffness(i) < 1.0; });
+  end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {
+                 return system_.relative_stiffness(i) < 1.0 && !system_.bent(i);
+               });
   if (end.follows)
     end.entries = {*end.next};
   else if (end.contacts.empty())
@@ -355,8 +363,7 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
       sum += (end.sided ? side_row(end, y) : 0.0) -
              contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
     else
-      sum -= contact.sign * system_.law(i).stiffness * (contact.sign * y[0] + contact.clearance(end.origin)) +
-             system_.law(i).damping * y[2];
+      sum += system_.contact_force(i, contact.sign * y[0] + contact.clearance(end.origin), y[2]);
   }
   return sum;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -33,6 +34,9 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
     for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
   }
   first_.push_back(entries_.size());
+  for (std::size_t i = 0; i < count_ && system.has_stops(); ++i) pushes_.push_back(system.push_weights(i));
+  lets_go_ = std::ranges::any_of(pushes_, [](const auto& push) { return push.has_value(); });
+  if (lets_go_) push_samples_.resize(samples_.size());
   weights_.resize(count_);
   all_.resize(count_);
   std::iota(all_.begin(), all_.end(), std::size_t{0});
@@ -43,9 +47,9 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
 void EventSearch::select(std::vector<std::size_t>& positions) {
   bounded_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
-    weights_[i] = system_.indicator_weights(i);
+    look_up(i);
     bounded_ &= weights_[i].alone && weights_[i].offset;
-    const std::size_t end = weights_[i].alone ? first_[i] + 1 : first_[i + 1];
+    const std::size_t end = weights_[i].alone && !lets_go(i) ? first_[i] + 1 : first_[i + 1];
     for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
   }
 }
@@ -68,6 +72,9 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
     const Sample sample = at(t, j);
     for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, sample);
+    if (lets_go_)
+      for (const std::size_t i : looked_at_)
+        if (lets_go(i)) push_samples_[i * (order + 1) + j] = oriented(i, t, *pushes_[i], part(i, sample.values));
     if (looking) ends->look_at(j, t, sample.values);
   }
   double first = 2.0;
@@ -81,13 +88,52 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     if (system_.collides(i) && !system_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
+    if (lets_go_ && lets_go(i)) {
+      const auto change = change_of_stop(i, begin, end, values, -uncertainty(i) - of_time);
+      if (change && change->s < first) first = change->s, which_ = i, later = change->later, by_push_ = change->by_push;
+      continue;
+    }
     const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
     const auto s = descent ? agreed(i, begin, end, *descent) : descent;
-    if (s && *s < first) first = *s, which_ = i, later = s != descent;
+    if (s && *s < first) first = *s, which_ = i, later = s != descent, by_push_ = false;
   }
   if (first > 1.0) return std::nullopt;
   const double t = begin + first * (end - begin);
-  return later ? t : polished(begin, end, t, which_);
+  if (later) return t;
+  if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
+  const double time = polished(begin, end, t, which_);
+  if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
+  return time;
+}
+
+std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i, double begin, double end,
+                                                                   std::span<const double> values, double level) {
+  const std::size_t order = values.size() - 1;
+  const std::span<const double> pushes(push_samples_.data() + i * (order + 1), order + 1);
+  const auto [weakest, strongest] = std::ranges::minmax(pushes, {}, [](double value) { return std::abs(value); });
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() *
+                          (std::max(std::abs(weakest), std::abs(strongest)) + std::abs(*pushes_[i]->offset));
+  const auto lets_go = Bernstein::through(pushes).first_descent(level - rounding);
+  const auto first = [](std::optional<double> s, bool by_push) {
+    return s ? std::optional(StopChange{*s, by_push, false}) : std::nullopt;
+  };
+  const auto by_depth = Bernstein::through(values).first_descent(level);
+  if (system_.closed(i))
+    return by_depth && !(lets_go && *lets_go < *by_depth) ? first(by_depth, false) : first(lets_go, true);
+  if (!by_depth) return std::nullopt;
+  if (*by_depth > 0.0) {
+    const auto s = agreed(i, begin, end, *by_depth);
+    return s ? std::optional(StopChange{*s, false, s != by_depth}) : std::nullopt;
+  }
+  // It has been let go inside.
+  std::array<double, Bernstein::max_degree + 1> outwards{};
+  std::ranges::transform(values, outwards.begin(), std::negate());
+  const auto leaves = Bernstein::through(std::span(outwards).first(order + 1)).first_descent(0.0);
+  if (!leaves || (lets_go && *lets_go < *leaves)) return first(lets_go, true);
+  const double from = begin + *leaves * (end - begin);
+  const auto again =
+      Bernstein::through(between(from, end, [&](double t) { return oriented(i, t, at(t)); })).first_descent(level);
+  return again ? first(*leaves + *again * (1.0 - *leaves), false) : std::nullopt;
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
@@ -104,7 +150,7 @@ bool EventSearch::may_reach_moving(double begin, double end, double whole) {
 }
 
 void EventSearch::look_at(double begin, double t) {
-  if (selects()) stepper_.select(all_);
+  if (selects()) select_entries(all_);
   rates_.resize(count_), present_.resize(count_);
   if (!system_.collides()) {
     const std::span<const double> rates = stepper_.sample(t, 1);
@@ -165,11 +211,7 @@ double EventSearch::against(std::size_t i, double t) {
 }
 
 std::span<const double> EventSearch::against_between(std::size_t i, double from, double end) {
-  const std::size_t order = stepper_.order();
-  for (std::size_t j = 0; j <= order; ++j)
-    against_[j] =
-        against(i, j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
-  return std::span(against_).first(order + 1);
+  return between(from, end, [&](double t) { return against(i, t); });
 }
 
 // The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
@@ -234,19 +276,32 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
 // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
 bool EventSearch::look_at_the_near() {
-  stepper_.select(all_);
+  select_entries(all_);
   stepper_.hull(lowest_, highest_, last_);
   looked_at_.clear();
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) looked_at_.push_back(i);
   if (looked_at_.empty()) return false;
-  for (const std::size_t i : looked_at_) weights_[i] = system_.indicator_weights(i);
-  stepper_.select(looked_at_);
+  for (const std::size_t i : looked_at_) look_up(i);
+  select_entries(looked_at_);
   return true;
+}
+
+void EventSearch::look_up(std::size_t i) {
+  weights_[i] = system_.indicator_weights(i);
+  if (lets_go(i)) pushes_[i] = system_.push_weights(i);
+}
+
+void EventSearch::select_entries(const std::vector<std::size_t>& contacts) {
+  near_.clear();
+  for (const std::size_t i : contacts)
+    for (std::size_t position = first_[i]; position < first_[i + 1]; ++position) near_.push_back(position);
+  stepper_.select(near_);
 }
 
 bool EventSearch::far(std::size_t i) const {
   if (system_.moves(i)) return true;
+  if (lets_go_ && lets_go(i) && system_.closed(i)) return false;
   const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
   const bool below = system_.contact(i).sign > 0.0;

@@ -27,6 +27,10 @@ namespace viscobar {
 /// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
 /// the descent of p, the change is where it begins to.
 ///
+/// A stop that lets go (see PenalisedSystem::push_weights) pushes where its push condition q is negative, too. Closed,
+/// it opens at the first descent of -p or -q. Open, it may have been let go inside, p < 0 < q: there it closes where q
+/// descends, unless the node has left before, and then where p descends again.
+///
 /// A contact that pulls, R < 0, holds back the bar and its node. The bar loses the velocity V = int |R| / (rho L) dt.
 /// The node misses the way int |R| / (eta/h + z) + V dt; z is sqrt(E rho) for one with mass, else 0. A damped node
 /// without mass and one that a rigid contact holds are let go as soon as V or that way exceeds the tolerance of a step,
@@ -60,6 +64,8 @@ class EventSearch {
 
   /// The contact that changes first.
   std::size_t first_contact() const { return which_; }
+  /// True if it does by its push condition: its node is not on the surface.
+  bool by_push() const { return by_push_; }
   /// Since when it has pulled, at the latest t, where it opens.
   double pulled_since(double t) const { return std::min(t, pulls_[which_].since); }
   /// The velocity that it has taken from the bar meanwhile.
@@ -77,8 +83,8 @@ class EventSearch {
   double max_penetration() const { return max_penetration_; }
 
  private:
-  // So few contacts are sooner sampled than bounded. More are those of a span obstacle, whose nodes have mass: contact
-  // i has the one entry i, its displacement.
+  // So few contacts are sooner sampled than bounded. More are those of a span obstacle, whose nodes have mass: each has
+  // one entry, its displacement, but for stops at the ends that let go.
   static constexpr std::size_t few = 4;
 
   // Values of all sampled entries, and their rates where an indicator asks for them.
@@ -88,11 +94,29 @@ class EventSearch {
 
   bool proved_quiet(const std::optional<ContactWatch>& ends);
   bool look_at_the_near();
+  bool lets_go(std::size_t i) const { return lets_go_ && pushes_[i]; }
+  void look_up(std::size_t i);  // its weights, as the contacts are
+  void select_entries(const std::vector<std::size_t>& contacts);
   bool far(std::size_t i) const;
   double uncertainty(std::size_t i) const;
   double against(std::size_t i, double t, std::span<const double> y);
   double against(std::size_t i, double t);
   std::optional<double> agreed(std::size_t i, double begin, double end, double s);
+  // Where a stop changes that lets go, as a part of the step, whether by its push condition, and whether later than
+  // that or its indicator says. `values` are those of its oriented indicator, of which `level` is uncertain.
+  struct StopChange {
+    double s;
+    bool by_push, later;
+  };
+  std::optional<StopChange> change_of_stop(std::size_t i, double begin, double end, std::span<const double> values,
+                                           double level);
+  // Samples f(t) at equidistant points.
+  std::span<const double> between(double from, double end, auto&& f) {
+    const std::size_t order = stepper_.order();
+    for (std::size_t j = 0; j <= order; ++j)
+      against_[j] = f(j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
+    return std::span(against_).first(order + 1);
+  }
   std::optional<double> lasting(std::size_t i, double begin, double end, double s);
   double noticed(std::size_t i, double h) const;
   bool opens_by_row(std::size_t i) const {
@@ -120,12 +144,14 @@ class EventSearch {
   PenalisedSystem& system_;
   LegStepper& stepper_;
   std::size_t count_;
-  std::vector<std::size_t> entries_, first_;                // entries of contact i: [first_[i], first_[i + 1])
-  std::vector<std::size_t> all_, looked_at_;                // contacts, and those that are sampled in this step
+  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
+  std::vector<std::size_t> near_;             // entries of the latter
+  std::vector<std::optional<PenalisedSystem::IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                         // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
   std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
-  std::vector<double> samples_;
+  std::vector<double> samples_, push_samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
   std::vector<double> state_;            // where p descends
@@ -134,6 +160,8 @@ class EventSearch {
   bool with_rates_ = false;  // an indicator asks for them in this step
   bool bounded_ = false;     // the indicators are those of bounded entries, as long as no contact changes
   bool quiet_ = false;
+  bool lets_go_ = false;  // a stop may
+  bool by_push_ = false;
   std::size_t which_ = 0, distrusted_ = 0;
   double share_ = 0.0;
   double max_penetration_ = 0.0;

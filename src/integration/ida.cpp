@@ -39,7 +39,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
     forces.force(t, {u, n}, {u_rate, n}, right);
     for (std::size_t i = 0; i < n; ++i) x_w[i] = w_rate[i] - cj * (w[i] - u_rate[i]);
     leg.subtract_inertia(1.0, {x_w, n}, right);
-    leg.solve(cj * cj, cj, 1.0, right);
+    leg.solve(forces, cj * cj, cj, 1.0, {u, nullptr, u_rate, 1.0}, right);
     for (std::size_t i = 0; i < n; ++i) x_w[i] = cj * x_u[i] - (w[i] - u_rate[i]);
   };
   const double *u = state.data(), *w = u + n, *u_rate = rates.data(), *w_rate = u_rate + n;

@@ -119,8 +119,13 @@ double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
   return rates[node];
 }
 
-// Rate of s u + gap, or of the reaction where that decides.
-double Sensitivities::indicator_rate(const Moment& at, std::size_t i) {
+// Rate of s u + gap, or of the push condition or the reaction where that decides.
+double Sensitivities::indicator_rate(const Moment& at, std::size_t i, bool by_push) {
+  if (by_push) {
+    const std::size_t node = system_.contact(i).unknown;
+    const auto weights = *system_.push_weights(i);
+    return weights.values[1] * at.w[node] + weights.values[2] * acceleration_[node];
+  }
   if (!opens_by_reaction(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
   differentiate_by_time(at);
   return time_.opening_reaction(i, at, at.w, acceleration_);
@@ -146,16 +151,21 @@ bool Sensitivities::opens_by_reaction(std::size_t i) const {
   return system_.closed(i) && (system_.holds(i) || (system_.relaxes(i) && system_.changes_by_row(i)));
 }
 
-// True if the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none.
-bool Sensitivities::jumps(std::size_t i) const { return system_.holds(i) || system_.law(i).damping > 0.0; }
+// True if the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none,
+// and a stop ends with none.
+bool Sensitivities::jumps(std::size_t i, bool by_push) const {
+  if (system_.stop(i) && (system_.closed(i) || by_push)) return false;
+  return system_.holds(i) || system_.law(i).damping > 0.0;
+}
 
-std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std::size_t i, std::span<double> y) {
+std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std::size_t i, bool by_push,
+                                                     std::span<double> y) {
   std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
   shifted_ = false;
   if (lost()) return changes;
   const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-  const double rate = indicator_rate(at, i);
+  const double rate = indicator_rate(at, i, by_push);
   const bool graze = grazes(i, rate) || (since < t && system_.collides(i)), held = opens_by_reaction(i);
   const double acceleration = acceleration_of(at, node);
   old_velocity_ = w_;
@@ -163,8 +173,9 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   bool moves = false;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    const double fall =
-        held ? derivative.opening_reaction(i, at, s.u(), s.w()) : derivative.motion().clearance(i, s.u());
+    const double fall = by_push ? derivative.push_rate(i, at, s.u(), s.w())
+                        : held  ? derivative.opening_reaction(i, at, s.u(), s.w())
+                                : derivative.motion().clearance(i, s.u());
     shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)
@@ -182,7 +193,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     }
   }
   last_change_ = {t, i};
-  if (!jumps(i)) return changes;
+  if (!jumps(i, by_push)) return changes;
   if (graze && moves) {
     lose(since,
          fmt::format("a contact {} with an indicator that hardly moves, a graze: its time has no derivative",

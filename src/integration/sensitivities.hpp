@@ -33,8 +33,9 @@ class Sensitivities {
   void begin_leg(double t, double end);
 
   /// Contact i is about to change at t in the state y, whose velocities are complete: derivatives of that change.
-  /// A rigid contact that opens by a pull which it has had `since` earlier opens as by a graze.
-  std::vector<ChangeSensitivity> before(double t, double since, std::size_t i, std::span<double> y);
+  /// A rigid contact that opens by a pull which it has had `since` earlier opens as by a graze. A stop may change
+  /// `by_push`, by its push condition.
+  std::vector<ChangeSensitivity> before(double t, double since, std::size_t i, bool by_push, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
   /// It has, y being the state after the change but for its derivatives.
@@ -104,10 +105,10 @@ class Sensitivities {
   // The momentum that a shift changes is none of an obstacle's impulse.
   void account(double t, double sign, std::span<double> y);
   double acceleration_of(const Moment& at, std::size_t node);
-  double indicator_rate(const Moment& at, std::size_t i);
+  double indicator_rate(const Moment& at, std::size_t i, bool by_push);
   bool grazes(std::size_t i, double rate) const;
   bool opens_by_reaction(std::size_t i) const;
-  bool jumps(std::size_t i) const;
+  bool jumps(std::size_t i, bool by_push) const;
 
   PenalisedSystem& system_;
   std::span<const Direction> directions_;

@@ -213,7 +213,7 @@ class StepwisePart {
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(approach, w().begin());
     system_.complete_displacement(t, u());
-    changes_ = sensitivities_->before(t, t, i, y_);
+    changes_ = sensitivities_->before(t, t, i, false, y_);
     std::copy_n(settled.begin(), 2 * layout_.nodes, y_.begin());
     system_.set_closed(i, closed);
   }
@@ -374,7 +374,7 @@ class StepwisePart {
       if (towards == 0.0 || (clear >= -rounding && !system_.closed(i))) continue;
       if (towards > 0.0) throw LoadError(t, into_the_bar(system_.contact(i), t));
       if (clear <= 0.0) continue;
-      if (sensitivities_) changes_ = sensitivities_->before(t, t, i, y_);  // lost: none
+      if (sensitivities_) changes_ = sensitivities_->before(t, t, i, false, y_);  // lost: none
       system_.set_closed(i, false);
       system_.complete_velocity(t, u(), w());
       tell_event(t, i, Change::opening, w()[node]);
@@ -425,17 +425,20 @@ class StepwisePart {
       const double& velocity = w()[node];
       const bool pulled = opens && i == search_.first_contact();
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
-      if (sensitivities_) changes_ = sensitivities_->before(t, told, i, y_);
+      const bool by_push = i == search_.first_contact() && search_.by_push();
+      if (sensitivities_) changes_ = sensitivities_->before(t, told, i, by_push, y_);
+      if (by_push && layout_.dissipated) y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * system_.stop_energy(i, u());
       if (!opens) close(t, i, velocity);
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
-      if (!system_.bar().massless(node) || system_.bar().damped()) system_.place_on_obstacle(i, u());
+      if (!by_push && (!system_.bar().massless(node) || system_.bar().damped())) system_.place_on_obstacle(i, u());
       if (opens) {
         system_.set_closed(i, false);
         if (pulled) give_back(system_.contact(i).sign * search_.held_back());
         // A rounding of its penetration is a velocity of a node without mass.
         if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
         tell_event(told, i, Change::opening, velocity);
-        if (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change()))
+        if (!system_.stop(i) &&
+            (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change())))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
                         statistics_.late_opening);
       }

@@ -40,7 +40,7 @@ std::optional<std::string> representation_warning(const Statistics& done) {
 /// That the bar has gone through an obstacle: how deep, and the epsilon to take.
 std::optional<std::string> penetration_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
   const Case& run = setup.run;
-  if (!is_penalised(run.method) || !done.account) return std::nullopt;
+  if (!is_penalised(run.method) || !done.account || has_stops(run.scene)) return std::nullopt;
   double largest = 0.0;
   for (const EndAccount* end : {&done.account->left, &done.account->right})
     largest = std::max({largest, std::abs(end->lowest), std::abs(end->highest)});

@@ -35,6 +35,7 @@ std::string end_text(EndCondition end, const EndInput& input) {
   if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
   if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", readable(input.stiffness));
   if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", readable(input.dashpot));
+  if (input.stop) text += fmt::format(", a stop by {}", name(input.stop->law));
   if (input.mass > 0.0) text += fmt::format(", mass {}", readable(input.mass));
   return text;
 }

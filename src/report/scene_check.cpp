@@ -80,6 +80,14 @@ std::string side_text(const Scene& scene) {
 
 std::string contact_kind(const Setup& setup) {
   const Case& run = setup.run;
+  std::string stops;
+  for (const SceneEnd& end : ends_of(run.scene))
+    if (const auto& stop = end.input.stop)
+      stops += fmt::format(
+          "{}{} by {}, k = {:.6g}{}", stops.empty() ? "" : "; ", end.name, name(stop->law), stop->stiffness,
+          has_damper(stop->law) ? fmt::format(", {} = {:.6g}", stop->linear() ? "c" : "lambda", stop->damping) : "");
+  if (!stops.empty() && !has_penalty(run.scene)) return stops;
+  if (!stops.empty()) return fmt::format("{}; elsewhere penalty, epsilon = {:.6g}", stops, setup.epsilon);
   if (is_penalised(run.method))
     return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", setup.epsilon,
                        setup.epsilon / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
@@ -174,6 +182,11 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
   if (!foreseen || regime.where == Where::span) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
   if (first == foreseen->impacts.end() || first->speed == 0.0) return;
+  if (regime.stop) {
+    const double mass = system.inputs()[regime.where == Where::right].mass;
+    regime.forecast = forecast(system.bar(), mass, *regime.stop, first->speed);
+    return;
+  }
   const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
   regime.impact = predict_impact(system.bar(), h, regime.effective_mass, epsilon, first->speed);
 }
@@ -187,6 +200,19 @@ Json to_json(const FirstImpact& impact) {
 }
 
 Json to_json(const ContactRegime& regime) {
+  if (regime.stop) {
+    const Stop& stop = *regime.stop;
+    Json json = {{"where", name(regime.where)}, {"law", name(stop.law)}, {"stiffness", stop.stiffness}};
+    if (has_damper(stop.law)) json["damping"] = stop.damping;
+    const auto& found = regime.forecast;
+    json["damping_ratio"] = found ? Json(found->damping_ratio) : Json(nullptr);
+    json["restitution"] = found ? Json(found->restitution) : Json(nullptr);
+    json["impact"] = found ? Json{{"speed", found->speed},
+                                  {"predicted_penetration", found->penetration},
+                                  {"predicted_peak", found->force}}
+                           : Json(nullptr);
+    return json;
+  }
   Json json = {{"where", name(regime.where)},
                {"effective_mass", regime.effective_mass},
                {"damping_ratio", regime.damping_ratio},
@@ -240,7 +266,7 @@ std::string check_json(const SceneCheck& check) {
   if (!system.mesh().uniform()) json["smallest_element"] = system.mesh().smallest();
   json["mass"] = name(system.mass());
   json["why"] = {{"method", check.setup.why.method}, {"mass", check.setup.why.mass}};
-  if (is_penalised(run.method)) json["why"]["epsilon"] = check.setup.why.epsilon;
+  if (is_penalised(run.method) && has_penalty(run.scene)) json["why"]["epsilon"] = check.setup.why.epsilon;
   if (is_scheme(run.method)) json["why"]["step"] = check.setup.why.step;
   json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
                    {"elasticity", true},

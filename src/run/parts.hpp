@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -86,6 +87,11 @@ inline Finding algebraic_rows(std::string_view method) {
 inline void refuse_directions(const char* method, const Observers& observers) {
   if (!observers.directions.empty())
     throw Unfit(method, {"sensitivity.of", "there are no derivatives; cvode, ida, arkode and rigid have them"});
+}
+
+/// @throws Unfit where an end has a stop with a law of its own, by a method that knows none
+inline void refuse_laws(const char* method, const std::array<EndInput, 2>& inputs) {
+  if (const auto why = law_refusal(method, inputs[0], inputs[1])) throw Unfit(method, *why);
 }
 
 inline Statistics statistics_before(const StartingPoint& start) {

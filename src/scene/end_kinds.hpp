@@ -79,8 +79,8 @@ inline const EndKind& end_kind(const EndCondition& end) {
 inline bool belongs_to_end(std::string_view kind, std::string_view key) {
   const auto* known = std::ranges::find(end_kinds, kind, &EndKind::name);
   if (known == std::end(end_kinds)) return false;
-  return (known->sided && key == "side") || std::ranges::count(known->inputs, key) > 0 ||
-         std::ranges::count(known->numbers, key, &EndNumber::key) > 0;
+  return (known->sided && (key == "side" || key.starts_with("contact."))) ||
+         std::ranges::count(known->inputs, key) > 0 || std::ranges::count(known->numbers, key, &EndNumber::key) > 0;
 }
 
 inline EndNode end_node(const EndCondition& end, double initial_displacement) {

@@ -28,6 +28,13 @@ void check_input(std::vector<Finding>& findings, const std::string& table, const
   check_number("stiffness", input.stiffness);
   check_number("dashpot", input.dashpot);
   check_number("mass", input.mass);
+  if (input.stop) {
+    require(findings, is_obstacle(end), table + ".contact.law", "belongs to an obstacle");
+    require(findings, std::isfinite(input.stop->stiffness) && input.stop->stiffness > 0.0,
+            input.stop->key(table, "stiffness"), "must be positive and finite, is {}", input.stop->stiffness);
+    require(findings, std::isfinite(input.stop->damping) && input.stop->damping >= 0.0,
+            input.stop->key(table, "damping"), "must be finite and not negative, is {}", input.stop->damping);
+  }
   if (input.force) {
     require(findings, !is_fixed(end), table + ".force",
             "belongs to a free end or an obstacle; a fixed end does not feel it, and has a motion");
@@ -69,6 +76,15 @@ void check_end(std::vector<Finding>& findings, const std::string& table, const S
 std::string_view name(Side side) {
   constexpr std::string_view names[] = {"below", "above", "both"};
   return names[static_cast<std::size_t>(side)];
+}
+
+std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right) {
+  const auto& stop = left.stop ? left.stop : right.stop;
+  if (!stop) return std::nullopt;
+  return Finding{stop->key(left.stop ? "left" : "right", "law"),
+                 fmt::format("\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave "
+                             "the law out",
+                             name(stop->law), method)};
 }
 
 std::vector<Finding> validate(const Scene& scene) {

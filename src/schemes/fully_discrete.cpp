@@ -567,6 +567,7 @@ class Run {
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const FullyDiscrete& scheme, const Observers& observers) {
   refuse_directions("fully_discrete", observers);
+  refuse_laws("fully_discrete", system.inputs());
   check(system, start, times, scheme);
   return Run(system, start, times, scheme, observers)();
 }

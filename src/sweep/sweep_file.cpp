@@ -111,7 +111,7 @@ class SweepReader {
     const std::string name = before.empty() ? node.key : before + "." + node.key;
     const std::size_t dot = name.find('.');
     const SceneKey* key = find_scene_key(name);
-    if (!key && dot == name.npos && node.kind == TomlNode::Kind::table) {
+    if (!key && node.kind == TomlNode::Kind::table && (dot == name.npos || is_inner_table(name))) {
       for (const TomlNode& inside : node.inside) scene_key(inside, name, varied);
       return;
     }

@@ -74,6 +74,14 @@ TEST(SceneTemplate, ShowsOnlyValuesThatTheirKeysMayHave) {
       for (const char* beside : {".kind=fixed", ".gap="}) overrides.push_back(table + beside);
     if (key == "accuracy.of") overrides.push_back("accuracy.error=1e-4");
     if (key == "span.gap") overrides.push_back("contact.epsilon=1e-3");
+    if (const auto at = key.find("contact."); at != key.npos && key != "contact.epsilon") {  // the rest of the law
+      const std::string law = key.substr(0, at + 8), leaf = key.substr(at + 8);
+      const bool at_speed = leaf == "speed" || (leaf == "restitution" && at > 0);
+      if (at_speed) overrides.push_back(law + (leaf == "speed" ? "restitution=0.5" : "speed=2"));
+      if (leaf != "law" && (at_speed || leaf != "restitution"))
+        overrides.push_back(law + (at_speed ? "law=hunt_crossley" : "law=spring_damper"));
+      if (leaf != "stiffness" && (at_speed || leaf != "restitution")) overrides.push_back(law + "stiffness=1");
+    }
     EXPECT_NO_THROW(parse_scene(scene_template(), "template", overrides)) << overrides.front();
   }
 }

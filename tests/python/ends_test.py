@@ -28,6 +28,19 @@ class EndsTest(Test):
                 self.assertTrue(np.array_equal(formula.u, function.u))
                 self.assertIn("function", function.summary["scene"]["left"]["force"])
 
+    def test_a_stop_has_a_law_of_its_own_whose_numbers_are_set_one_by_one(self):
+        left = {"kind": "obstacle", "gap": 0.1, "contact": {"law": "hertz", "stiffness": 50.0}}
+        for method in METHODS[:4]:
+            with self.subTest(method):
+                soft, hard = bar(left, method), bar({**left, "contact": {"law": "hertz", "stiffness": 100}}, method)
+                again = viscobar.run(soft.scene, set={"left.contact.stiffness": 100.0})
+                self.assertTrue(np.array_equal(hard.u, again.u))
+                self.assertFalse(np.array_equal(hard.u, soft.u))
+                self.assertEqual(soft.summary["scene"]["left"]["contact"], {"law": "hertz", "stiffness": 50.0})
+        with self.assertRaises(viscobar.SceneError) as caught:
+            bar(left, "rigid")
+        self.assertIn('"hertz" is no law for rigid', str(caught.exception))
+
     def test_a_motion_that_is_a_function_is_differentiated(self):
         # To within 1e-10 of its second derivative, far below the tolerance.
         for method in METHODS:

@@ -150,6 +150,11 @@ class BarSystem {
   double mass_at(const Contact& contact) const {
     return contact.where == Where::span ? 0.0 : inputs_[contact.where == Where::right].mass;
   }
+  /// The law of that contact's own, of an end.
+  const std::optional<Stop>& stop(const Contact& contact) const {
+    static const std::optional<Stop> none;
+    return contact.where == Where::span ? none : inputs_[contact.where == Where::right].stop;
+  }
 
   /// True if the frame moves.
   bool moving() const { return moves_frame(false) || moves_frame(true); }

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "viscobar/scene/stop.hpp"
+
 namespace viscobar {
 
 /// The bar itself:  rho u_tt - E u_xx - eta u_xxt = f  on 0 < x < length.
@@ -122,8 +124,8 @@ struct EndMotion {
   NextBreak breaks = {};      ///< of any of the three; empty: it is smooth
 };
 
-/// Force, spring, dashpot, mass and motion that an end is given beside its condition. With the outward stress s at the
-/// end, -s at x = 0, and the reaction R,
+/// Force, spring, dashpot, mass, motion and stop that an end is given beside its condition. With the outward stress s
+/// at the end, -s at x = 0, and the reaction R,
 ///
 ///     s = F(t) - k u - c u_t - m u_tt + R    at a free end, R = 0, or one with an obstacle.
 struct EndInput {
@@ -132,6 +134,7 @@ struct EndInput {
   double stiffness = 0.0;             ///< k >= 0, of a spring to the ground at rest at u = 0
   double dashpot = 0.0;               ///< c >= 0, of a dashpot beside it
   double mass = 0.0;                  ///< m >= 0, of a rigid mass on the end, a mass per area of the bar
+  std::optional<Stop> stop{};         ///< the law of its obstacle; absent: rigid, or the penalty, as the method has it
 };
 
 /// What resists the bar along its whole length, a force -k(x) u - c(x) u_t per volume:
@@ -175,6 +178,10 @@ struct Finding {
   std::string problem;  ///< a sentence about its value
 };
 
+/// Why a method that knows no stop with a law of its own does not take ends that are given that; absent: they have
+/// none.
+std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right);
+
 /// All faults of a scene: values that are not finite or out of range, initial data that penetrate an
 /// obstacle at an end. Empty when the scene is sound.
 std::vector<Finding> validate(const Scene& scene);
@@ -186,6 +193,13 @@ inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fi
 /// How many ends meet an obstacle.
 inline std::size_t end_obstacles(const Scene& scene) {
   return std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
+}
+/// True if an end has a stop with a law of its own.
+inline bool has_stops(const Scene& scene) { return scene.left_input.stop || scene.right_input.stop; }
+/// True if an obstacle has none, so that penalised methods give it the penalty.
+inline bool has_penalty(const Scene& scene) {
+  return scene.span || (is_obstacle(scene.left) && !scene.left_input.stop) ||
+         (is_obstacle(scene.right) && !scene.right_input.stop);
 }
 /// True if the bar can touch anything, at an end or along the span.
 inline bool meets_obstacle(const Scene& scene) { return end_obstacles(scene) > 0 || scene.span; }

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "integration/odeint/explicit_formulas.hpp"
 #include "run/parts.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -47,8 +49,10 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const std::vector<double> masses = system.effective_masses();
   double contact_square = 0.0, contact_decay = 0.0, mount_square = 0.0;
   for (const Contact& contact : system.contacts()) {
+    const auto& stop = system.stop(contact);
     const PenaltyLaw law =
-        penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
+        stop ? (stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{})
+             : penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
     double mass = masses[contact.unknown];
     if (mass == 0.0) {
       if (bar.viscosity > 0.0)
@@ -77,10 +81,23 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
   const Spectrum bound = spectrum(system, method.penalty);
   const double explicit_steps = duration * bound.decay / real_stability;
   const bool few = system.size() <= Odeint::most_dense_unknowns;
+  // Whose Jacobian is not constant.
+  const auto bent = std::ranges::find_if(system.contacts(), [&](const Contact& contact) {
+    return system.stop(contact) && !system.stop(contact)->linear();
+  });
+  if (bent != system.contacts().end()) {
+    if (method.stepper == Stepper::rosenbrock4)
+      plan.refusal =
+          Finding{"method.stepper", fmt::format("rosenbrock4 wants a Jacobian that is constant between contact "
+                                                "changes, and a contact by {} has none; use dopri5",
+                                                name(system.stop(*bent)->law))};
+    plan.stepper = Stepper::dopri5;
+  }
   if (plan.stepper == Stepper::automatic) {
     const auto n = static_cast<double>(system.size());
     plan.stepper = few && explicit_steps > dense_worth * n * n ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
+  if (plan.refusal) return plan;
   if (system.has_massless() && !system.damped()) {
     plan.refusal = algebraic_rows("odeint");
   } else if (plan.stepper == Stepper::dopri5) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -11,6 +13,13 @@
 #include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
+
+namespace {
+
+/// The forces of contacts have not been found: a shorter step is easier.
+struct NoConvergence {};
+
+}  // namespace
 
 void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.revision()) {
@@ -21,13 +30,80 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
       throw StepFailure(Failure::inertia, lost_inertia(system.bar(), m, c, k));
     }
     m_ = m, c_ = c, k_ = k, revision_ = system.revision();
-    factorised_ = true;
+    factorised_ = true, columns_known_ = false;
     ++statistics.matrix_factorisations;
   }
   factor_.solve(x);
   ++statistics.linear_solves;
   // A sweep carries what is not finite to the ends.
   if (!std::isfinite(x.front()) || !std::isfinite(x.back())) throw not_finite();
+}
+
+void Leg::find_columns() {
+  if (std::exchange(columns_known_, true)) return;
+  columns_.clear();
+  for (const auto& [i, law] : system.bent()) {
+    if (!system.closed(i)) continue;
+    Column& column = columns_.emplace_back(Column{i, std::vector<double>(layout.nodes, 0.0)});
+    column.values[system.contact(i).unknown] = 1.0;
+    factor_.solve(column.values);
+    ++statistics.linear_solves;
+  }
+}
+
+void Leg::solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x) {
+  solve(m, c, k, x);
+  if (system.bent().empty()) return;
+  find_columns();
+  const std::size_t count = columns_.size();
+  std::array<std::size_t, 2> node{};
+  std::array<double, 2> start{}, y{}, clearance{}, w{}, force{}, added{};
+  const auto at = [&](std::size_t j) { return columns_[j].contact; };
+  const auto coupling = [&](std::size_t j, std::size_t l) { return columns_[l].values[node[j]]; };
+  for (std::size_t j = 0; j < count; ++j) {
+    node[j] = system.contact(at(j)).unknown;
+    const double u = to.u[node[j]] + (to.explicit_u ? to.explicit_u[node[j]] : 0.0);
+    clearance[j] = forces.contact(at(j)).sign * u + forces.clearance_at_origin(at(j));
+    w[j] = to.w[node[j]];
+    force[j] = forces.contact_force(at(j), clearance[j], w[j]);
+    start[j] = x[node[j]];
+  }
+  // y_j - start_j - sum_l z_jl added_l = 0; its Jacobian is 1 + z (k dN/dd + c dN/dd'), which is positive definite.
+  constexpr int most = 50;
+  double change = std::numeric_limits<double>::infinity(), size = 0.0;
+  for (int iteration = 0; change > 1e-13 * size && count > 0; ++iteration) {
+    if (iteration == most) throw NoConvergence{};
+    std::array<double, 2> residual{}, slope{};
+    for (std::size_t l = 0; l < count; ++l) {
+      const double u = clearance[l] + forces.contact(at(l)).sign * (k / to.factor) * y[l];
+      const double v = w[l] + c / to.factor * y[l];
+      added[l] = to.factor * (forces.contact_force(at(l), u, v) - force[l]);
+      const PenaltyLaw tangent = forces.tangent(at(l), u, v);
+      slope[l] = k * tangent.stiffness + c * tangent.damping;
+    }
+    for (std::size_t j = 0; j < count; ++j) {
+      residual[j] = y[j] - start[j];
+      for (std::size_t l = 0; l < count; ++l) residual[j] -= coupling(j, l) * added[l];
+    }
+    const auto jacobian = [&](std::size_t j, std::size_t l) {
+      return (j == l ? 1.0 : 0.0) + coupling(j, l) * slope[l];
+    };
+    std::array<double, 2> step = {residual[0] / jacobian(0, 0), 0.0};
+    if (count == 2) {
+      const double determinant = jacobian(0, 0) * jacobian(1, 1) - jacobian(0, 1) * jacobian(1, 0);
+      step = {(residual[0] * jacobian(1, 1) - jacobian(0, 1) * residual[1]) / determinant,
+              (jacobian(0, 0) * residual[1] - residual[0] * jacobian(1, 0)) / determinant};
+    }
+    change = size = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      y[j] -= step[j];
+      change = std::max(change, std::abs(step[j]));
+      size = std::max({size, std::abs(y[j]), std::abs(start[j])});
+    }
+    if (!std::isfinite(change)) throw NoConvergence{};
+  }
+  for (std::size_t l = 0; l < count; ++l)
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += added[l] * columns_[l].values[i];
 }
 
 // Solves for (u, w) or for a derivative of it, whose forces are those.
@@ -44,7 +120,7 @@ void Leg::solve_momentum(PenalisedSystem& forces, double t, double gamma, std::s
   forces.force(t, field, {w, n}, right);
   for (double& entry : right) entry *= gamma;
   subtract_inertia(-factor, z.subspan(n, n), right);
-  solve(1.0, gamma, gamma * gamma, right);
+  solve(forces, 1.0, gamma, gamma * gamma, {u, x_u, w, gamma}, right);
   for (std::size_t i = 0; i < n; ++i) x_u[i] += gamma * x_w[i];
 }
 
@@ -131,6 +207,8 @@ void Leg::account_rates(double t, std::span<const double> u, std::span<const dou
   if (layout.account() == 0) return;
   const double loss = system.frame_loss(t, w);
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
+  if (layout.dissipated && !system.bent().empty())
+    y_rate[*layout.dissipated] += system.stop_loss([&](std::size_t i) { return u[i]; }, w);
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
   if (!layout.end_inertia) return;
   const auto [all, of_frame] = system.end_power(t, u, w, a);
@@ -150,10 +228,16 @@ NonlinearSolver make_step_solver(Leg& leg, const Context& context) {
   ops.solve = [](SUNNonlinearSolver self, N_Vector, N_Vector correction, N_Vector, sunrealtype, boolean,
                  void*) noexcept {
     Leg& of = *static_cast<Leg*>(self->content);
-    return guarded(of, [&] {
-      of.solve_step(of, values(correction));
+    bool converged = true;
+    const int flag = guarded(of, [&] {
+      try {
+        of.solve_step(of, values(correction));
+      } catch (const NoConvergence&) {
+        converged = false;
+      }
       of.correction = values(correction);
     });
+    return converged ? flag : SUN_NLS_CONV_RECVR;
   };
   ops.free = [](SUNNonlinearSolver self) noexcept {
     SUNNonlinSolFreeEmpty(self);

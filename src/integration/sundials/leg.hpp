@@ -29,7 +29,7 @@ class Leg {
         solve_step(find_correction),
         field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
-    if (of.bar().side() || !of_parameters.empty()) new_u.resize(placed.nodes);
+    if (of.bar().side() || !of.bent().empty() || !of_parameters.empty()) new_u.resize(placed.nodes);
     if (of_parameters.empty()) return;
     new_w.resize(placed.nodes);
     moment.emplace(of, of_parameters);
@@ -37,6 +37,21 @@ class Leg {
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
   void solve(double m, double c, double k, std::span<double> x);
+
+  /// What a solve is an increment x to: u becomes u + (k / factor) x, w becomes w + (c / factor) x, and the forces have
+  /// entered the right-hand side times `factor`.
+  struct Increment {
+    const double *u, *explicit_u, *w;  // u is the sum of the first two; the second may be null
+    double factor;
+  };
+  /// The same with the closed contacts that are not linear, by the forces of the bar or of a derivative of it: D x =
+  /// right + factor sum_i s_i (N_i(x) - N_i(0)) e_i. Without them it is the same; with z_i = D^{-1} e_i, which stay as
+  /// the factor does,
+  ///
+  ///     x = D^{-1} right + factor sum_i s_i (N_i(x_i) - N_i(0)) z_i,
+  ///
+  /// one or two equations for x_i at the contacts, by Newton's method.
+  void solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x);
 
   /// x of  x = gamma f(t, y + x) + factor z  for the first-order form y' = f(t, y) = (w, (rho M)^{-1} F): the corrector
   /// of CVODE and a stage of ARKODE. Put x_u = gamma (w + x_w) + factor z_u into the momentum rows and multiply those
@@ -82,6 +97,14 @@ class Leg {
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
+  struct Column {  // z of a contact
+    std::size_t contact;
+    std::vector<double> values;
+  };
+  void find_columns();
+
+  std::vector<Column> columns_;  // of this factor, of closed contacts that are not linear
+  bool columns_known_ = false;
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;

@@ -53,7 +53,7 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
                         with(absolute.velocity, Dimension::velocity)));
   }
   if (is_scheme(run.method)) all.add("Time step", with(setup.step, Dimension::time));
-  if (data.has_springs()) all.add("Penalty ε", readable(setup.epsilon));
+  if (data.has_springs() && has_penalty(setup.run.scene)) all.add("Penalty ε", readable(setup.epsilon));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
           fmt::format("h = {}{}, {} mass", with(system.mesh().spacing(), Dimension::length),

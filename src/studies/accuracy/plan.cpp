@@ -53,7 +53,7 @@ Plan::Plan(const AccuracyStudy& study)
   waves_ = base_.method == MethodName::characteristics;
   stepping_ = is_scheme(base_.method);
   exact_time_ = base_.method == MethodName::exponential;
-  penalised_ = is_penalised(base_.method) && meets_obstacle(scene);
+  penalised_ = is_penalised(base_.method) && has_penalty(scene);
   if (const auto found = fault(study_.request, resolve(base_)))
     throw std::invalid_argument(fmt::format("{}: {}", found->key, found->problem));
   // A massive node that a dashpot stops does what it does in the limit. Under a span obstacle neighbours meet it at

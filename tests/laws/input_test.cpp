@@ -1,0 +1,191 @@
+// Laws of stops in scene files: what they become, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "input/described_scene.hpp"
+#include "laws/scene.hpp"
+#include "report/scene_check.hpp"
+
+namespace viscobar::laws {
+namespace {
+
+std::string scene(const std::string& more, const std::string& left = "") {
+  return "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n" + left +
+         "[right]\nkind = \"obstacle\"\ngap = 0.2\nside = \"above\"\n[initial]\nvelocity = -1\n[time]\nend = "
+         "2\n[mesh]\nelements = 8\n" +
+         more;
+}
+
+std::string findings(const std::string& text) {
+  try {
+    parse_scene(text, "");
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Law, OfTheContactTableIsThatOfBothEndsAndAnEndsOwnComesFirst) {
+  const Case both = parse_scene(scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\n"), "").run;
+  for (const EndInput* input : {&both.scene.left_input, &both.scene.right_input}) {
+    ASSERT_TRUE(input->stop);
+    EXPECT_EQ(input->stop->law, Law::hertz);
+    EXPECT_EQ(input->stop->stiffness, 30.0);
+    EXPECT_TRUE(input->stop->shared);
+  }
+  const Case own =
+      parse_scene(scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\n", contact("spring_damper", 7, 2)), "").run;
+  EXPECT_EQ(own.scene.left_input.stop->law, Law::spring_damper);
+  EXPECT_EQ(own.scene.left_input.stop->damping, 2.0);
+  EXPECT_FALSE(own.scene.left_input.stop->shared);
+  EXPECT_EQ(own.scene.right_input.stop->law, Law::hertz);
+  const Case one = parse_scene(scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\nepsilon = 1e-3\n",
+                                     "contact = { law = \"penalty\" }\n"),
+                               "")
+                       .run;
+  EXPECT_FALSE(one.scene.left_input.stop);
+  EXPECT_TRUE(one.scene.right_input.stop);
+  EXPECT_TRUE(has_penalty(one.scene));
+}
+
+TEST(Law, IsOverriddenByItsKeys) {
+  const std::array<std::string, 2> set = {"left.contact.stiffness=9", "left.contact.law=hunt_crossley"};
+  const Case run = parse_scene(scene("", contact("spring_damper", 7, 2)), "", set).run;
+  EXPECT_EQ(run.scene.left_input.stop->law, Law::hunt_crossley);
+  EXPECT_EQ(run.scene.left_input.stop->stiffness, 9.0);
+  const std::array<std::string, 1> table = {"left.contact={ law = \"hertz\", stiffness = 5 }"};
+  const Case other = parse_scene(scene(""), "", table).run;
+  EXPECT_EQ(other.scene.left_input.stop->law, Law::hertz);
+  EXPECT_EQ(other.scene.left_input.stop->stiffness, 5.0);
+}
+
+TEST(Law, ChoosesTheMethodAndTheMass) {
+  const std::string law = "[contact]\nlaw = \"hertz\"\nstiffness = 30\n";
+  const Case elastic = parse_scene(scene(law), "").run;
+  EXPECT_EQ(elastic.method, MethodName::cvode);
+  EXPECT_EQ(resolve(elastic).mass, Mass::fourth_order);
+  const std::array<std::string, 1> set = {"bar.viscosity=0.1"};
+  EXPECT_EQ(parse_scene(scene(law), "", set).run.method, MethodName::arkode);
+}
+
+TEST(Law, IsRefusedByMethodsThatHaveNoSuchStop) {
+  for (const char* method : {"rigid", "exponential", "characteristics", "fully_discrete", "finite_difference"}) {
+    const std::string found =
+        findings(scene(fmt::format("[contact]\nlaw = \"hertz\"\nstiffness = 30\n[method]\nname = \"{}\"\n", method)));
+    EXPECT_NE(found.find("contact.law: \"hertz\" is no law for " + std::string(method)), std::string::npos) << found;
+    EXPECT_NE(found.find("arkode"), std::string::npos) << found;
+  }
+  const std::string massless = findings(
+      scene("mass = \"redistributed\"\n[contact]\nlaw = \"hertz\"\nstiffness = 30\n[method]\nname = \"arkode\"\n"));
+  EXPECT_NE(massless.find("mesh.mass"), std::string::npos) << massless;
+  EXPECT_NE(massless.find("hertz"), std::string::npos) << massless;
+  const std::string dense = findings(
+      scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\n[method]\nname = \"odeint\"\nstepper = \"rosenbrock4\"\n"));
+  EXPECT_NE(dense.find("method.stepper"), std::string::npos) << dense;
+}
+
+TEST(Law, WantsItsOwnNumbersAndNoOthers) {
+  const auto expect = [](const std::string& text, const std::string& key, const std::string& word) {
+    const std::string found = findings(text);
+    EXPECT_NE(found.find(key), std::string::npos) << found;
+    EXPECT_NE(found.find(word), std::string::npos) << found;
+  };
+  expect(scene("[contact]\nlaw = \"hertz\"\n"), "contact.stiffness", "is missing");
+  expect(scene("[contact]\nlaw = \"hertz\"\nstiffness = 3\ndamping = 1\n"), "contact.damping", "hertz has no damper");
+  expect(scene("[contact]\nstiffness = 3\n"), "contact.stiffness", "contact.law is missing");
+  expect(scene("[contact]\nlaw = \"hertzian\"\nstiffness = 3\n"), "contact.law", "nearest is \"hertz\"");
+  expect(scene("[contact]\nlaw = \"hertz\"\nstiffness = -3\n"), "contact.stiffness", "must be positive");
+  expect(scene("", "contact = { law = \"hertz\" }\n"), "left.contact.stiffness", "is missing");
+  expect(scene("", "contact = { law = \"hertz\", stifness = 3 }\n"), "left.contact.stifness",
+         "nearest is \"contact.stiffness\"");
+  expect(
+      "[bar]\nlength = 1\n[left]\nkind = \"free\"\ncontact = { law = \"hertz\", stiffness = 3 }\n[initial]\nvelocity "
+      "= 1\n[time]\nend = 1\n",
+      "left.contact.law", "belongs to an obstacle");
+  expect(scene("", "contact = 3\n"), "left.contact", "unknown key");
+}
+
+// The exact a = lambda V of e, which 3 (1 - e) / 2 is only for e near 1.
+TEST(Law, OfHuntAndCrossleyMayBeGivenByARestitution) {
+  for (const auto& [e, a] : {std::array{0.9, 0.16648195069},
+                             {0.7, 0.63482828127},
+                             {0.5, 1.4327505333},
+                             {0.3, 3.0870819811},
+                             {0.1, 9.9981593975},
+                             {1.0, 0.0}}) {
+    const auto told = fmt::format("law = \"hunt_crossley\", stiffness = 3, restitution = {}, speed = 2", e);
+    EXPECT_NEAR(2.0 * parse_scene(scene("", "contact = { " + told + " }\n"), "").run.scene.left_input.stop->damping, a,
+                2e-10 + 1e-9 * a);
+  }
+  const std::string shared = "[contact]\nlaw = \"hunt_crossley\"\nstiffness = 3\nrestitution = 0.5\nspeed = 2\n";
+  EXPECT_NEAR(parse_scene(scene(shared), "").run.scene.right_input.stop->damping, 0.5 * 1.4327505333, 1e-9);
+  EXPECT_NE(findings(scene(shared + "damping = 1\n")).find("contact.speed: excludes contact.damping"),
+            std::string::npos);
+  const Outcome run = outcome(
+      lone_mass("mass = 1\ncontact = { law = \"hunt_crossley\", stiffness = 7, restitution = 0.5, speed = 2 }\n", 2.0,
+                3.0, "cvode"));
+  EXPECT_NEAR(run.events.at(1).velocity, 1.0, 1e-8);
+}
+
+TEST(Law, IsInTheDescriptionThatMakesTheSameScene) {
+  const SceneFile first =
+      parse_scene(scene("[contact]\nlaw = \"hertz\"\nstiffness = 30\n", contact("spring_damper", 7, 2)), "");
+  const SceneFile again = parse_scene("{\"scene\": " + first.description() + "}", "");
+  EXPECT_EQ(again.values, first.values);
+  EXPECT_EQ(again.run.scene.left_input.stop->damping, 2.0);
+  EXPECT_EQ(parse_scene(scene_text(first.values), "").values, first.values);
+}
+
+// The forecast of a lone mass is exact but for its steps of 1e-3: zeta 0.2 leaves 0.5717 of the speed.
+TEST(Law, IsForecastByCheck) {
+  const SceneFile light =
+      parse_scene(lone_mass("mass = 1\n" + contact("spring_damper", 1.0, 0.4), 2.0, 1.0, "cvode"), "");
+  const SceneCheck check = check_scene(light);
+  ASSERT_EQ(check.regimes.size(), 1u);
+  ASSERT_TRUE(check.regimes[0].forecast);
+  const StopForecast& found = *check.regimes[0].forecast;
+  EXPECT_NEAR(found.damping_ratio, 0.2, 1e-9);
+  EXPECT_NEAR(found.restitution, 0.57174002758, 2e-3);
+  EXPECT_NEAR(found.penetration, 2.0 * 0.75613492684, 1e-5);
+  EXPECT_NEAR(found.force, 2.0 * 0.82091852176, 1e-5);
+  EXPECT_NE(check_json(check).find("\"predicted_peak\""), std::string::npos);
+}
+
+TEST(Law, KeepsTheBitsOfARunThatIsResumed) {
+  for (const char* method : all_methods)
+    for (const char* law : {"spring_damper", "hunt_crossley"}) {
+      SCOPED_TRACE(fmt::format("{} {}", method, law));
+      const viscobar::Setup setup =
+          resolve(parse_scene(thrown_bar(contact(law, 20.0, 1.0), 0.1, 8, 3.0, method), "").run);
+      std::vector<double> whole, resumed;
+      std::vector<Checkpoint> taken;
+      const auto observers = [](std::vector<double>& told) {
+        Observers all;
+        all.energy = all.account = true;
+        all.snapshot = [&told](const Snapshot& now) { told.insert(told.end(), now.u.begin(), now.u.end()); };
+        return all;
+      };
+      Observers first = observers(whole);
+      first.checkpoints = Checkpoints{.every = 0.7, .asked = {}, .take = [&](const Checkpoint& one) {
+                                        taken.push_back(one);
+                                        return RunControl::go_on;
+                                      }};
+      const Statistics done = simulate(setup, first);
+      for (const Checkpoint& checkpoint : taken) {
+        resumed.clear();
+        Observers second = observers(resumed);
+        second.checkpoints =
+            Checkpoints{.every = 0.7, .asked = {}, .take = [](const Checkpoint&) { return RunControl::go_on; }};
+        const Statistics again = simulate(setup, setup.system(), checkpoint, second);
+        ASSERT_LT(resumed.size(), whole.size());
+        EXPECT_TRUE(std::equal(resumed.rbegin(), resumed.rend(), whole.rbegin()));
+        EXPECT_EQ(again.energy->dissipated, done.energy->dissipated);
+        EXPECT_EQ(again.account->left.impulse, done.account->left.impulse);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace viscobar::laws

@@ -1,0 +1,110 @@
+// Derivatives through stops with a law of their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "laws/scene.hpp"
+
+namespace viscobar::laws {
+namespace {
+
+constexpr std::array with_derivatives = {"cvode", "ida", "arkode"};
+
+std::string asked(const std::string& keys) { return fmt::format("[sensitivity]\nof = [{}]\n", keys); }
+
+double slope(const std::function<double(double)>& f, double x) {
+  const double h = 1e-3 * x;  // the error is h^4 / 30 of a fifth derivative
+  return (8.0 * (f(x + h) - f(x - h)) - f(x + 2 * h) + f(x - 2 * h)) / (12.0 * h);
+}
+
+// T = 2 acos(zeta) / (q w), and what is left of the speed exp(-zeta w T), as functions of k and of c.
+TEST(LawSensitivity, OfALoneMassIsThatOfItsClosedForm) {
+  const double k = 3.0, c = 0.7;
+  const auto time = [](double stiffness, double damping) {
+    const double w = std::sqrt(stiffness), zeta = damping / (2.0 * w);
+    return 2.0 * std::acos(zeta) / (std::sqrt(1.0 - zeta * zeta) * w);
+  };
+  const auto speed = [&](double stiffness, double damping) {
+    return std::exp(-0.5 * damping * time(stiffness, damping));
+  };
+  for (const char* method : with_derivatives) {
+    SCOPED_TRACE(method);
+    const Recording recording =
+        record(parse_scene(lone_mass("mass = 1\n" + contact("spring_damper", k, c), 1.0, time(k, c) + 0.5, method) +
+                               asked("\"left.contact.stiffness\", \"left.contact.damping\""),
+                           "")
+                   .run);
+    ASSERT_EQ(recording.events.size(), 2u);
+    const auto& of = recording.events[1].sensitivities;
+    // The tolerance of derivatives is that of the motion, relative to their own size, times its promised multiple.
+    EXPECT_NEAR(of.at(0).time, slope([&](double x) { return time(x, c); }, k), 1e-7);
+    EXPECT_NEAR(of.at(1).time, slope([&](double x) { return time(k, x); }, c), 1e-7);
+    EXPECT_NEAR(of.at(0).velocity, slope([&](double x) { return speed(x, c); }, k), 1e-7);
+    EXPECT_NEAR(of.at(1).velocity, slope([&](double x) { return speed(k, x); }, c), 1e-7);
+  }
+}
+
+std::string bar(const std::string& stop, double viscosity, double gap, double stiffness, double damping,
+                const char* method) {
+  return fmt::format(
+      "[bar]\nlength = 1\nviscosity = {:.17g}\n[left]\nkind = \"obstacle\"\ngap = {:.17g}\n{}[initial]\nvelocity = "
+      "-1\n[time]\nend = 3\n[mesh]\nelements = 8\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-10\n[output]\nevery = "
+      "0.5\n",
+      viscosity, gap, contact(stop, stiffness, damping), method);
+}
+
+// By the motion itself, at values of the parameters on either side.
+TEST(LawSensitivity, IsThatOfDifferencesForEachLaw) {
+  const std::array<std::string, 4> keys = {"bar.viscosity", "left.gap", "left.contact.stiffness",
+                                           "left.contact.damping"};
+  for (const char* law : {"spring_damper", "hertz", "hunt_crossley"})
+    for (const char* method : with_derivatives) {
+      const std::array<double, 4> at = {0.1, 0.2, 20.0, 0.4};
+      const auto recorded = [&](std::array<double, 4> p, const std::string& more) {
+        return record(parse_scene(bar(law, p[0], p[1], p[2], p[3], method) + more, "").run);
+      };
+      for (std::size_t p = 0; p < (std::string(law) == "hertz" ? 3 : 4); ++p) {
+        SCOPED_TRACE(fmt::format("{} {} {}", law, method, keys[p]));
+        const Recording run = recorded(at, asked("\"" + keys[p] + "\""));
+        const double step = 1e-3 * at[p];
+        std::array<Recording, 2> beside;
+        for (const int side : {0, 1}) {
+          auto moved = at;
+          moved[p] += side == 0 ? -step : step;
+          beside[static_cast<std::size_t>(side)] = recorded(moved, "");
+        }
+        const auto difference = [&](auto&& of) { return (of(beside[1]) - of(beside[0])) / (2.0 * step); };
+        ASSERT_EQ(run.events.size(), beside[0].events.size());
+        ASSERT_EQ(run.events.size(), beside[1].events.size());
+        // A second difference of relative step 1e-3 is off by some 1e-6 of what a third derivative makes.
+        const auto close = [](double a, double b) { return 2e-5 * (1.0 + std::max(std::abs(a), std::abs(b))); };
+        for (std::size_t k = 0; k < run.events.size(); ++k) {
+          const double by_differences = difference([&](const Recording& r) { return r.events[k].time; });
+          EXPECT_NEAR(run.events[k].sensitivities[0].time, by_differences, close(by_differences, 0.0));
+          const double of_velocity = difference([&](const Recording& r) { return r.events[k].velocity; });
+          EXPECT_NEAR(run.events[k].sensitivities[0].velocity, of_velocity, close(of_velocity, 0.0));
+        }
+        for (std::size_t i = 0; i < run.u.size(); ++i) {
+          const double of_u = difference([&](const Recording& r) { return r.u[i]; });
+          EXPECT_NEAR(run.sensitivities[0].u[i], of_u, close(of_u, 0.0));
+          const double of_v = difference([&](const Recording& r) { return r.v[i]; });
+          EXPECT_NEAR(run.sensitivities[0].v[i], of_v, close(of_v, 0.0));
+        }
+        for (std::size_t i = 0; i < run.times.size(); ++i) {
+          const double of_r = difference([&](const Recording& r) { return r.reaction_left[i]; });
+          EXPECT_NEAR(run.sensitivities[0].reaction_left[i], of_r, close(of_r, 0.0));
+        }
+        const auto& account = *run.statistics.sensitivity;
+        EXPECT_FALSE(account.lost);
+        const double of_energy = difference([](const Recording& r) { return r.statistics.energy->final; });
+        EXPECT_NEAR(account.energy[0], of_energy, close(of_energy, 0.0));
+        const double of_impulse = difference([](const Recording& r) { return r.statistics.account->left.impulse; });
+        EXPECT_NEAR(account.impulse_left[0], of_impulse, close(of_impulse, 0.0));
+      }
+    }
+}
+
+}  // namespace
+}  // namespace viscobar::laws
