@@ -34,7 +34,7 @@ struct ImpactPrediction {
   Layer layer = Layer::node;  ///< on which it rests
 };
 
-/// What a stop with a law of its own does to a bar of the mass rho L that comes to it at a given speed, with the mass m
+/// The answer of a stop with a law of its own to a bar of the mass rho L that comes at a given speed, with the mass m
 /// of that end: of the lone masses m and m + rho L, whose motion is integrated, and of a long elastic bar, which
 /// presses with sqrt(E rho) V at most.
 struct StopForecast {

@@ -21,7 +21,7 @@ double PenalisedSystem::push_rate(std::size_t i, double clearance, double w, dou
   return push.a * clearance + contact(i).sign * (push.b * w + rate.b * w_bar) - rate.e;
 }
 
-// Of a wave through the bar.
+// Time of a wave through the bar.
 double PenalisedSystem::push_time() const {
   return bar_.bar().length * std::sqrt(bar_.bar().density / bar_.bar().modulus);
 }

@@ -79,7 +79,7 @@ class PenalisedSystem {
   double clearance(std::size_t i, std::span<const double> u) const {
     return contact(i).sign * u[contact(i).unknown] + offsets_[i];
   }
-  /// That of u = 0.
+  /// The same at u = 0.
   double clearance_at_origin(std::size_t i) const { return offsets_[i]; }
   /// Indicator of contact i. It is closed by the sign of p = linear part of some entries of (u, w) + offset(t),
   /// negative where it should be closed. p is a displacement:
@@ -307,7 +307,7 @@ class PenalisedSystem {
     }
     return power;
   }
-  /// What contact i, a stop, stores while it is closed.
+  /// Energy stored in contact i, a stop, while it is closed.
   double stop_energy(std::size_t i, std::span<const double> u) const { return stop(i)->energy(-clearance(i, u)); }
   bool has_stops() const { return !stops_.empty(); }  ///< with a law of their own
   /// Contribution of a frame that moves (see BarSystem::lift_loss).

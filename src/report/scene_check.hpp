@@ -37,7 +37,7 @@ std::string check_json(const SceneCheck& check);
 /// In words.
 std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
-/// What resists along the bar, with the frequency and the decay that it gives to a bar that moves as a whole.
+/// The resistance along the bar, with the frequency and the decay that it gives to a bar that moves as a whole.
 std::string side_text(const Scene& scene);
 /// What an end is given and what that adds to the model, a sentence for each.
 std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);

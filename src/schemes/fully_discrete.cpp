@@ -452,7 +452,7 @@ class Run {
     if (!contacts.empty()) watch_growth(taken);
   }
 
-  // Of v^n and the mean of u^{n+1} and u^{n-1}.
+  // For v^n and the mean of u^{n+1} and u^{n-1}.
   void account_side(const SideRows& side) {
     const double dt = scheme_.step;
     EnergyAccount& energy = *statistics_.energy;

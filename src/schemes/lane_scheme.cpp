@@ -83,7 +83,7 @@ void LaneScheme::evaluate_load(double t) {
   }
 }
 
-// Of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends:
+// Factor of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends:
 //
 //     row 0      (d_0 + f_0, o_0 + f_1, f_2)          x_0 = w_0 y_0
 //     row i      (o_{i-1}, d_i, o_i)                  x_i = w_i y_i - c_i x_{i-1},     y_i = b_i - m_i y_{i+1}

@@ -98,7 +98,7 @@ class LaneScheme {
   double dt_ = 0.0;
   Lanes restitution_ = 0.0;
 
-  // Of the bars.
+  // Numbers of the bars.
   std::array<Lanes, 2> gap_, spring_, dashpot_, mass_, wall_;
   Lanes inertia_, modulus_, viscosity_;  // rho L, E / L, eta / L
   Lanes scale_, relaxation_;             // E / h, or E / L on a graded mesh; eta / E

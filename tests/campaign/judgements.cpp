@@ -208,7 +208,7 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
   const std::size_t missed = told.count(ContactVerdict::missed), made_up = told.count(ContactVerdict::made_up);
   judged.said = fmt::format("{}missed {}, made up {}, untold {}, late by {:.3g}, of samples {:.3g}", far, missed,
                             made_up, told.count(ContactVerdict::untold), late, sample);
-  // Of order 1, contacts of the coarser solution are late by twice as much.
+  // At order 1, contacts of the coarser solution are late by twice as much.
   const bool sound_contacts =
       missed == 0 && made_up == 0 && std::abs(late) <= 2.0 * sample + std::abs(latest(result.solutions.back()));
   bool right = far.empty() && sound_contacts;

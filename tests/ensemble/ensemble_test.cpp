@@ -1,4 +1,4 @@
-// What an ensemble promises whoever calls it.
+// The promises of an ensemble to its caller.
 #include <gtest/gtest.h>
 
 #include <cmath>

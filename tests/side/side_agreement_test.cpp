@@ -148,7 +148,7 @@ class Judge {
 
   VectorXd u() const { return y_.head(n_); }
   VectorXd v() const { return y_.segment(n_, n_); }
-  // What holds a fixed end: the remainder of its row.
+  // The force that holds a fixed end: the remainder of its row.
   double reaction(bool right) const {
     const Index e = right ? n_ - 1 : 0;
     const VectorXd a = (open_ * y_).segment(n_, n_);

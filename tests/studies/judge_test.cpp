@@ -187,7 +187,7 @@ JudgeStudy bouncing(std::vector<TheirSolution> solutions) {
 
 double u_of_bouncing(double t) { return t < 0.1 ? -t : t < 0.3 ? -0.1 : t - 0.4; }
 
-// That bar, by a scheme that is late.
+// The same bar, by a scheme that is late.
 TheirSolution late_by(double delay, std::size_t samples = 1000) {
   TheirSolution theirs{"late", {}, {{"u_left", {}}, {"reaction_left", {}}}, {}};
   for (std::size_t k = 0; k < samples; ++k) {
@@ -212,7 +212,7 @@ TEST(Judge, ALateContactIsOneContact) {
 }
 
 // R of a scheme that is late by one step differs by 1 for twice that step: a mean of order 1, a largest of order 0.
-// What another scheme has is no coarser solution of this one.
+// A solution of another scheme is no coarser solution of this one.
 TEST(Judge, TellsTheOrderOfWhatJumpsByItsMeanAndOfEachSchemeAlone) {
   std::vector<TheirSolution> solutions = {late_by(0.04), late_by(0.02), late_by(0.01)};
   for (std::size_t s = 0; s < 3; ++s) solutions[s].step = std::array{0.04, 0.02, 0.01}[s];

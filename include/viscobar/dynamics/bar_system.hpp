@@ -200,7 +200,7 @@ class BarSystem {
     const double sum = lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
     return side_ ? sum + side_lift_loss(rate, at_nodes(w)) : sum;
   }
-  /// That of drag along the bar at velocities w(j) of all nodes.
+  /// The power of drag along the bar at velocities w(j) of all nodes.
   double side_lift_loss(const Lift& rate, auto&& w) const {
     if (!side_->has_drag()) return 0.0;
     return side_->drag_power([&](std::size_t j) { return w(j) + rate.at(mesh_.node(j) / mesh_.length); }) -
@@ -341,7 +341,7 @@ class BarSystem {
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
-  // What the side makes of the frame's motion at an unknown.
+  // Force of the side on an unknown, by the frame's motion.
   double side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
   void add_masses();
   std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;

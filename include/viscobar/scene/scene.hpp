@@ -137,7 +137,7 @@ struct EndInput {
   std::optional<Stop> stop{};         ///< the law of its obstacle; absent: rigid, or the penalty, as the method has it
 };
 
-/// What resists the bar along its whole length, a force -k(x) u - c(x) u_t per volume:
+/// Resistance along the whole bar, a force -k(x) u - c(x) u_t per volume:
 ///
 ///     rho u_tt = (E u_x + eta u_xt)_x + f - k u - c u_t.
 struct SideResistance {

@@ -66,7 +66,7 @@ class LinearLeg {
  private:
   void factorise(const SymmetricTridiagonal& inertia);
   void solve_inertia(Vector& force) const;
-  // Of node j, from the unknowns x, the first of them being node `first_node_`.
+  // The value at node j, from the unknowns x, the first of them being node `first_node_`.
   auto at_nodes(const auto& x, Real left, Real right) const {
     return [&x, left, right, first = first_node_](std::size_t j) {
       const Index i = static_cast<Index>(j) - first;

@@ -38,7 +38,7 @@ class Leg {
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
   void solve(double m, double c, double k, std::span<double> x);
 
-  /// What a solve is an increment x to: u becomes u + (k / factor) x, w becomes w + (c / factor) x, and the forces have
+  /// A solve finds an increment x: u becomes u + (k / factor) x, w becomes w + (c / factor) x, and the forces have
   /// entered the right-hand side times `factor`.
   struct Increment {
     const double *u, *explicit_u, *w;  // u is the sum of the first two; the second may be null

@@ -58,7 +58,7 @@ std::string place_of(const JudgedContact& contact) {
   return std::string(name(contact.where)) + (contact.place ? fmt::format("@{}", *contact.place) : "");
 }
 
-// What is to be said of a contact: its verdict, or by how much theirs is late or longer, if samples can tell.
+// Words for a contact: its verdict, or by how much theirs is late or longer, if samples can tell.
 std::string said(const JudgedContact& contact, double sample, NumberText number) {
   if (contact.verdict != ContactVerdict::found) return std::string(name(contact.verdict));
   std::string words;

@@ -11,7 +11,7 @@
 
 namespace viscobar::bars {
 
-/// What all bars are asked for, laid out: the values of a bar are those of all outputs one after the other.
+/// The outputs of all bars, laid out: the values of a bar are those of all outputs one after the other.
 struct Layout {
   /// A time at which a bar is looked at: for the k-th number of a trace or gauge, or as probe k of the error.
   struct Look {

@@ -81,7 +81,7 @@ class EnsembleRun {
     OwnMember own;
     std::optional<BarValues> coarse{};
     std::size_t coarse_level = 0;
-    // Of the last two runs, and of the two before where these were one level apart.
+    // How far the last two runs differ, and the order that three of neighbouring levels show.
     std::optional<double> difference{};
     double order = least_order;
   };

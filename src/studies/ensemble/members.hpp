@@ -30,7 +30,7 @@ class Members {
   const Pattern* pattern() const { return pattern_ ? &*pattern_ : nullptr; }
   /// The bar with these values by its numbers alone; absent where the model has to make its case.
   std::optional<OwnMember> by_numbers(std::span<const double> values) const;
-  /// That of a sound case; absent where it does not fit into lanes with the others.
+  /// The bar of a sound case; absent where it does not fit into lanes with the others.
   std::optional<OwnMember> of(const Case& run) const;
 
  private:

@@ -99,7 +99,7 @@ struct Sight {
   double touch;
 };
 
-// Whether theirs may have a contact of ours between its samples: there are few of them, and its end is nowhere further
+// True if theirs may have a contact of ours between its samples: there are few of them, and its end is nowhere further
 // off than it goes from one sample to the next.
 bool may_hide(const ContactPeriod& own, const Spot& spot, const Sight& sight) {
   const std::vector<double>&t = sight.times, &clearance = spot.their_clearance;
@@ -116,7 +116,7 @@ bool may_hide(const ContactPeriod& own, const Spot& spot, const Sight& sight) {
   return near;
 }
 
-// Whether ours is at the obstacle, to its own error, where theirs has a contact.
+// True if ours is at the obstacle, to its own error, where theirs has a contact.
 bool grazes(const ContactPeriod& theirs, const Spot& spot, const Sight& sight) {
   for (std::size_t k = 0; k < spot.own_clearance.size(); ++k)
     if (sight.times[k] >= theirs.begin - sight.sample && sight.times[k] <= theirs.end + sight.sample &&

@@ -204,7 +204,7 @@ JudgeResult judge(const JudgeStudy& study) {
   check(study);
   const auto started = std::chrono::steady_clock::now();
   const double length = study.scene.scene.bar.length;
-  // Of all solutions, one behind the other, behind the ends, which contacts need.
+  // Places of all solutions, one behind the other, behind the ends, which contacts need.
   std::vector<Column> columns = {{TraceColumn::u_left, 0.0}, {TraceColumn::u_right, 0.0}};
   std::vector<double> times = {0.0};
   for (const TheirSolution& theirs : study.solutions) {

@@ -64,7 +64,7 @@ struct JudgedColumn {
   bool told_apart() const { return !own_distance() || distance() > 2.0 * *own_distance() || *own_distance() == 0.0; }
 };
 
-/// What became of a contact.
+/// The verdict on a contact.
 enum class ContactVerdict {
   found,    ///< both have it
   missed,   ///< theirs has it not
