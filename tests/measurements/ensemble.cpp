@@ -16,6 +16,7 @@
 #include "ensemble/random_ensemble.hpp"
 #include "input/described_scene.hpp"
 #include "viscobar/input/scene_file.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace {
 
@@ -48,35 +49,56 @@ std::string thrown(std::size_t elements, double end) {
       elements, end);
 }
 
+// Bars a second and core: of the ensemble; of a loop over the library's (2.8) with as many steps, and over rigid at a
+// tenth of the error, each with what the ensemble tells; and of the cases of a sweep by rigid, without their files.
 void speed() {
   std::mt19937_64 random(7);
   const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   fmt::print(
-      "| J | T | error | bars a second and core | in lanes | kept | steps, median | alone, (2.8) | alone, rigid |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|---|\n");
+      "| J | T | error | ensemble | in lanes | steps, median | (2.8) | rigid | sweep | to (2.8) | to sweep |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double end : {2.0, 6.0})
     for (const std::size_t elements : {10, 16, 24, 32, 50})
       for (const double error : {1e-2, 1e-3, 1e-4, 1e-6}) {
-        const std::size_t bars = error < 1e-5 ? 2000 : 16384;
-        std::vector<double> viscosity(bars), gap(bars);
-        for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
-        const std::vector<std::vector<double>> values = {viscosity, gap};
-        EnsembleStudy study = study_of(thrown(elements, end), {"bar.viscosity", "left.gap"}, values);
-        study.outputs = {"u_left@0.1", "impulse_left"};
+        const std::size_t bars = error < 1e-5 ? 1024 : 8192, few = 256;
+        std::vector<std::vector<double>> values(2, std::vector<double>(bars));
+        for (std::size_t i = 0; i < bars; ++i)
+          values[0][i] = std::pow(10.0, real(-2.0, 0.0)), values[1][i] = real(0.05, 0.3);
+        const std::vector<std::string> keys = {"bar.viscosity", "left.gap"};
+        const std::string scene = thrown(elements, end);
+        const auto rate = [&](EnsembleStudy study, std::size_t count, EnsembleResult& result) {
+          study.outputs = {"u_left@0.1", "impulse_left"};
+          study.threads = 1;
+          for (auto& list : study.values) list = list.first(count);
+          return static_cast<double>(count) / seconds_of([&] { result = ensemble(study); });
+        };
+        EnsembleResult result, other;
+        EnsembleStudy study = study_of(scene, keys, values);
         study.error = error;
-        study.threads = 1;
-        EnsembleResult result;
-        const double seconds = seconds_of([&] { result = ensemble(study); });
-        std::size_t lanes = 0, kept = 0;
-        for (std::size_t i = 0; i < bars; ++i) {
-          lanes += result.ways[i] == BarWay::lanes;
-          kept += result.status[i] == BarStatus::kept;
-        }
+        const double mine = rate(study, bars, result);
         std::vector<std::size_t> steps = result.steps;
         std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(bars / 2));
-        fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.3f} | {:.3f} | {} |\n", elements, end, error,
-                   static_cast<double>(bars) / seconds, static_cast<double>(lanes) / static_cast<double>(bars),
-                   static_cast<double>(kept) / static_cast<double>(bars), steps[bars / 2]);
+        const auto lanes = std::ranges::count(result.ways, BarWay::lanes);
+        const auto alone = [&](const std::string& method) {
+          EnsembleStudy loop = study_of(scene + "[method]\n" + method, keys, values);
+          loop.lanes = false;
+          return rate(loop, few, other);
+        };
+        const double scheme = alone(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n",
+                                                end / static_cast<double>(std::max<std::size_t>(steps[bars / 2], 16))));
+        const std::string by_rigid = fmt::format("name=\"rigid\"\nrelative_tolerance={}\n", error / 10.0);
+        const double rigid = alone(by_rigid);
+        const double sweep =
+            static_cast<double>(few) / seconds_of([&] {
+              for (std::size_t i = 0; i < few; ++i) {
+                SweepCase one{
+                    i, {std::pair(keys[0], SceneValue(values[0][i])), std::pair(keys[1], SceneValue(values[1][i]))}};
+                run_case(scene + "[method]\n" + by_rigid, one, {});
+              }
+            });
+        fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.2f} | {} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} |\n",
+                   elements, end, error, mine, static_cast<double>(lanes) / static_cast<double>(bars), steps[bars / 2],
+                   scheme, rigid, sweep, mine / scheme, mine / sweep);
         std::fflush(stdout);
       }
 }
