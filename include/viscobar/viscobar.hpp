@@ -23,6 +23,7 @@
 #include "viscobar/results/versions.hpp"
 #include "viscobar/run/run.hpp"
 #include "viscobar/scene/scene.hpp"
+#include "viscobar/scene/stop.hpp"
 #include "viscobar/schemes/schemes.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/compare/compare.hpp"

@@ -297,12 +297,11 @@ class PenalisedSystem {
     }
     return power;
   }
-  /// The same of closed stops that are not linear; `u` gives displacements by unknown.
-  double stop_loss(auto&& u, std::span<const double> w) const {
+  /// The same of closed stops that are not linear.
+  double stop_loss(std::span<const double> u, std::span<const double> w) const {
     double power = 0.0;
     for (const auto& [i, law] : bent_) {
-      const Contact& of = contact(i);
-      const double depth = -(of.sign * u(of.unknown) + offsets_[i]), rate = -of.sign * w[of.unknown];
+      const double depth = -clearance(i, u), rate = -contact(i).sign * w[contact(i).unknown];
       if (closed(i)) power += (law.force(depth, rate) - law.force(depth, 0.0)) * rate;
     }
     return power;

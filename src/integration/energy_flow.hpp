@@ -22,10 +22,7 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
   const std::size_t first = 2 * layout.nodes;
   std::array<double, 3> flow{};
   if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
-  if (layout.dissipated && !system.bent().empty()) {
-    const std::span<const double> u = layout.u(y);
-    flow[*layout.dissipated - first] += system.stop_loss([u](std::size_t i) { return u[i]; }, w);
-  }
+  if (layout.dissipated && !system.bent().empty()) flow[*layout.dissipated - first] += system.stop_loss(layout.u(y), w);
   if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
   if (layout.end_inertia) {
     const auto [all, of_frame] = system.end_power(t, layout.u(y), w, accelerations(t));

@@ -207,8 +207,7 @@ void Leg::account_rates(double t, std::span<const double> u, std::span<const dou
   if (layout.account() == 0) return;
   const double loss = system.frame_loss(t, w);
   if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
-  if (layout.dissipated && !system.bent().empty())
-    y_rate[*layout.dissipated] += system.stop_loss([&](std::size_t i) { return u[i]; }, w);
+  if (layout.dissipated && !system.bent().empty()) y_rate[*layout.dissipated] += system.stop_loss(u, w);
   if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
   if (!layout.end_inertia) return;
   const auto [all, of_frame] = system.end_power(t, u, w, a);
