@@ -52,7 +52,7 @@ plot::Axis time_axis(const ThinnedField& field, const Units& units) {
 }
 
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours_of_field,
-                        const std::string& layer) {
+                        std::string_view symbol) {
   constexpr std::size_t width = 480, height = 300;
   constexpr int colours = 255, touching = 255;
   const auto& [map, values, range, contact_up_to, contact_from] = colours_of_field;
@@ -100,10 +100,9 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
       .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
-  figure.colour_bar(map, values);
+  figure.colour_bar(map, values, symbol);
   if (std::ranges::find(pixels, touching) != pixels.end())
     figure.legend_box(plot::hex(palette[touching]), "in contact");
-  figure.live_layer(fmt::format(R"({{"kind":"{}"}})", layer));
   return figure;
 }
 
