@@ -365,8 +365,20 @@ class Studies(Browsed):
         self.browser.move(*self.place("penetration", row["epsilon"], row["max_penetration"]))
         self.assertNotIn("10⁻⁵", self.tip("penetration"))
 
+    def assertSame(self, told, cell):
+        """A value of JSON and a cell of CSV."""
+        self.assertEqual(told, None if cell == "" else type(told)(cell))
+
     def test_precision_is_read_by_arrow_keys(self):
-        self.study("precision", "unit-both-ends", "--methods", "rigid,fully_discrete", "--halvings", "3", "--tolerance", "1e-3:1e-6")
+        directory = self.study("precision", "unit-both-ends", "--methods", "rigid,fully_discrete", "--halvings", "3", "--tolerance",
+                               "1e-3:1e-6")
+        with open(os.path.join(directory, "precision.json")) as file:
+            told = json.load(file)["rows"]
+        rows = rows_of(directory, "precision.csv")
+        self.assertEqual(len(rows), len(told))
+        for row, values in zip(rows, told):
+            for key, value in values.items():
+                self.assertSame(value, row[key])
         self.value("viscobar.charts.get('error').host.focus()")
         self.browser.key("ArrowRight")
         first = self.tip("error")
@@ -375,7 +387,16 @@ class Studies(Browsed):
         self.assertNotEqual(self.tip("error"), first)
 
     def test_compare_points_at_one_time_in_all_pictures(self):
-        self.study("compare", "unit-both-ends", "--methods", "cvode,rigid")
+        directory = self.study("compare", "unit-both-ends", "--methods", "cvode,rigid")
+        with open(os.path.join(directory, "compare.json")) as file:
+            told = json.load(file)
+        for row, method in zip(rows_of(directory, "compare.csv"), told["methods"], strict=True):
+            for key in ("method", "mass", "steps", "events", "max_penetration", "relative_tolerance"):
+                self.assertSame(method[key], row[key])
+            for pair in told["pairs"]:
+                if row["method"] == pair["other"]:
+                    self.assertSame(pair["displacement_l2"], row["displacement_l2"])
+                    self.assertSame(pair["energy_final"], row["energy_difference"])
         self.browser.move(*self.place("left-end", 3.0, 0))
         self.assertAlmostEqual(self.value("viscobar.links.t.place"), 3.0, delta=0.02)
         self.assertNotEqual(self.value("document.querySelector('[data-picture=left-end] .value').textContent"), "")

@@ -24,7 +24,7 @@ class Chart {
     this.link = { x: this.linkOf(this.x, links), y: this.linkOf(this.y, links) };
     this.overTime = this.x.link === "t";
     this.fixed = [...this.inner.querySelectorAll(".fixed")].map((node) => [node, ...node.getAttribute("transform").match(/[\d.-]+/g)]);
-    this.curves = [...this.inner.querySelectorAll("path.line")].map((node) => new Curve(node));
+    this.curves = [...this.inner.querySelectorAll("path.line[d^=M]")].map((node) => new Curve(node));
     this.hidden = new Set();
     this.painters = [];  // functions of the chart, called whenever the view is another
     this.over = element("div", { className: "over" });
