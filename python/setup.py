@@ -12,7 +12,7 @@ from setuptools.command.sdist import sdist
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE / "source" if (HERE / "source").exists() else HERE.parent  # "source" in a source distribution
-NEEDED = ("CMakeLists.txt", "LICENSE", "cmake", "include", "src", "third_party", "python", "examples/scenes", "examples/data")
+NEEDED = ("CMakeLists.txt", "LICENSE", "cmake", "include", "src", "python", "examples/scenes", "examples/data")
 
 
 class ByCMake(build_ext):

@@ -58,7 +58,7 @@ int compare_methods(const CompareOptions& asked) {
   const Study study(asked, scene, ResultKind::compare);
   const Comparison check = compare(choice.cases, asked.threads);
   study.finish(compare_json(scene, choice, check), compare_page(scene.run.scene, choice, check),
-               compare_text(choice, check));
+               compare_text(choice, check), compare_csv(check));
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.setup.run.method), run.error));
   return check.completed() ? success : run_failed;

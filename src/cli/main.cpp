@@ -136,16 +136,25 @@ void check_values(const CLI::App& command, int argc, char** argv) {
       refuse("{}: is given no value", taker->get_name());
 }
 
+/// True of a command that does not list the options of all: making those takes as long as a small run.
+bool needs_no_other(std::string_view word) {
+  constexpr std::string_view listing[] = {"completion", "man", "help"};
+  return std::ranges::any_of(commands, [&](const auto& command) { return command.name == word; }) &&
+         std::ranges::find(listing, word) == std::end(listing);
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Motion of a viscoelastic bar against rigid obstacles", "viscobar");
   app.set_version_flag("-V,--version", version_text(), "Print the versions and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   std::map<std::string, Action> actions;
-  for (const auto& [name, description, add_options] : commands)
-    actions.emplace(name, add_options(*app.add_subcommand(name, description)));
   MessageOptions messages;
-  for (CLI::App* command : app.get_subcommands({})) {
+  const std::string_view called = argc > 1 ? argv[1] : "";
+  for (const auto& [name, description, add_options] : commands) {
+    CLI::App* const command = app.add_subcommand(name, description);
+    if (needs_no_other(called) && name != called) continue;
+    actions.emplace(name, add_options(*command));
     messages.add_to(*command);
     // A flag is given or not: --json=no would be read as --json.
     for (CLI::Option* option : command->get_options())

@@ -44,7 +44,7 @@ int study_precision(const PrecisionOptions& asked) {
   const PrecisionResult result = precision_of(study);
   status.clear();
   files.finish(precision_json(scene, study, result), precision_page(study, result),
-               precision_text(study, result) + "\n");
+               precision_text(study, result) + "\n", precision_csv(result));
   const bool something = std::ranges::any_of(result.rows, [](const PrecisionRow& run) { return run.failure.empty(); });
   if (!something) complain(fmt::format("every run failed; the first: {}", result.rows.front().failure));
   return something ? success : run_failed;

@@ -18,8 +18,7 @@ namespace viscobar {
 
 /// The files that pages are made of, embedded by cmake/embed.cmake.
 namespace page_files {
-extern const std::string_view style, script;                             // src/report/web
-extern const std::string_view chart_style, chart_script, chart_licence;  // third_party/uplot
+extern const std::string_view style, script;  // src/report/web
 }  // namespace page_files
 
 namespace {
@@ -111,8 +110,6 @@ void Page::add(Picture picture) {
   for (Panel& panel : picture.panels) {
     body_ += joined(
         {"<div class=\"panel\" data-picture=\"", panel.name, "\">\n", panel.figure.svg(panel.title), "</div>\n"});
-    live_ += joined({live_.empty() ? "" : ",\n", plot::json_string(panel.name), ":",
-                     (panel.live ? *panel.live : panel.figure).live(panel.title)});
     panels_.push_back(std::move(panel));
   }
   body_ += fmt::format("<figcaption>{}</figcaption>\n</figure>\n", picture.caption);
@@ -123,12 +120,12 @@ void Page::fill_in(std::string_view mark, std::string_view text) {
 }
 
 void Page::add_data(std::string_view key, std::string_view json) {
-  data_ += joined({",\n", plot::json_string(key), ":", json});
+  data_ += joined({data_.empty() ? "" : ",\n", plot::json_string(key), ":", json});
 }
 
 std::string Page::html() const {
   const Versions used = versions();
-  const bool scripted = !live_.empty() || !data_.empty();
+  const bool scripted = !panels_.empty() || !data_.empty();
   const auto with_script = [&](std::string_view text) { return scripted ? text : std::string_view(); };
   const std::string title = escaped(title_);
   return joined(
@@ -139,8 +136,6 @@ std::string Page::html() const {
        plot::palette_css(),
        plot::drawing_css(),
        page_files::style,
-       with_script(page_files::chart_style),
-       with_script("\n"),
        "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>",
        title,
        "</h1>\n",
@@ -151,15 +146,9 @@ std::string Page::html() const {
        fmt::format("<footer>viscobar {}, SUNDIALS {}, HDF5 {}, Eigen {}; {}. All quantities in the units of the "
                    "scene.</footer>\n</main>\n",
                    used.viscobar, used.sundials, used.hdf5, used.eigen, escaped(used.platform)),
-       with_script("<script type=\"application/json\" id=\"data\">{\"figures\":{\n"),
-       live_,
-       with_script("}"),
+       with_script("<script type=\"application/json\" id=\"data\">{"),
        data_,
-       with_script("}</script>\n<script>/* uPlot\n"),
-       with_script(page_files::chart_licence),
-       with_script("*/\n"),
-       with_script(page_files::chart_script),
-       with_script("</script>\n<script>(() => {\n\"use strict\";\n"),
+       with_script("}</script>\n<script>(() => {\n\"use strict\";\n"),
        with_script(page_files::script),
        with_script("})();</script>\n"),
        "</body>\n</html>\n"});

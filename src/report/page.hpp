@@ -42,7 +42,6 @@ struct Panel {
   std::string name;   ///< unique in its page
   std::string title;  ///< read out in place of the picture
   plot::Figure figure;
-  std::optional<plot::Figure> live = {};  ///< what the script draws, where that is not the same
 };
 
 /// Figures below each other, with their heading and their caption (both HTML). Without panels it is not there.
@@ -52,8 +51,8 @@ struct Picture {
 };
 
 /// A page of HTML that needs no other file and no network: the title, the equation of the scene, what was added, in its
-/// order, and a footer with the versions. Without scripts, and printed, its pictures are SVG; a script draws them anew
-/// from one JSON document in the page, {"figures": {NAME: Figure::live()}, KEY: ...}.
+/// order, and a footer with the versions. Its pictures are SVG; a script zooms them and reads numbers off them, and
+/// what moves it draws from one JSON document in the page, {KEY: ...}.
 class Page {
  public:
   Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
@@ -77,7 +76,7 @@ class Page {
   PicturedPage with_figures() const;
 
  private:
-  std::string title_, model_, head_, body_, live_, data_;
+  std::string title_, model_, head_, body_, data_;
   std::vector<Panel> panels_;
 };
 

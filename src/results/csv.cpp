@@ -50,6 +50,13 @@ std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges) {
   return row;
 }
 
+std::string csv_text(const std::string& word) {
+  if (word.find_first_of(",\"\r\n") == word.npos) return word;
+  std::string quoted = "\"";
+  for (const char c : word) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
 std::string_view name(Where where) { return where == Where::left ? "left" : where == Where::right ? "right" : "span"; }
 
 std::string place(const Event& event) {

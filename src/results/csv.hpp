@@ -33,6 +33,9 @@ std::string sensitivity_row(const Snapshot& at);
 /// gauges.csv: a row per output time, t and gauge_columns().
 std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges);
 
+/// A word as a cell, RFC 4180: in quotes where it holds a comma, quotes or a new line.
+std::string csv_text(const std::string& word);
+
 std::string_view name(Where where);  ///< left, right or span
 /// left, right or span:<mesh node>
 std::string place(const Event& event);

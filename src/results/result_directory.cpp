@@ -39,9 +39,9 @@ const std::array<Files, 7>& all_files() {
             {R"("versions")", R"("viscobar")", R"("method")"},
             {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv", "field.h5", "field.xdmf",
              "report.html", "checkpoint.bin", "checkpoint.previous.bin"}},
-      Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html"}},
+      Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html", "compare.csv"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html", "limit.csv"}},
-      Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html"}},
+      Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html", "precision.csv"}},
       Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
       Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}},
       Files{"judge.json", {R"("judged")", R"("version")"}, {"judge.html"}}};

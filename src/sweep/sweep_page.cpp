@@ -10,6 +10,7 @@
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
+#include "report/plot/figure.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -101,13 +102,14 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
   };
   const std::vector<std::size_t> interesting = by_interest(shown);
   return fmt::format(
-      R"({{"zip":{},"first":{},"command":{},"keys":{},"columns":{},"index":{},"choice":{},"errors":{{{}}},"anchors":{}}})",
+      R"({{"zip":{},"first":{},"command":{},"keys":{},"columns":{},"index":{},"choice":{},"errors":{{{}}},"anchors":{},"dashes":{},"markers":{}}})",
       sweep.plan.combine == Combine::zip,
       json_string(interesting.empty() ? "" : quantity_columns()[interesting.front()].name), json_string(command),
       list(keys, key_json), list(shown, column_json),
       list(rows, [&](const SweepRow* row) { return value_json(row->index); }),
       list(rows, [&](const SweepRow* row) { return list(sweep.plan.choice(row->index), value_json); }), errors,
-      list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }));
+      list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }),
+      list(plot::dash_shapes(), json_string), list(plot::marker_shapes(), json_string));
 }
 
 }  // namespace

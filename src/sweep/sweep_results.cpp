@@ -9,6 +9,7 @@
 #include <utility>
 #include <variant>
 
+#include "results/csv.hpp"
 #include "results/output_file.hpp"
 #include "sweep/sweep_table.hpp"
 #include "viscobar/results/versions.hpp"
@@ -88,14 +89,7 @@ namespace {
 
 std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
 std::string cell(std::int64_t value) { return fmt::format("{}", value); }
-
-// RFC 4180: quotes around what holds a comma, quotes or a new line, quotes in it doubled.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == text.npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
-}
+std::string cell(const std::string& text) { return csv_text(text); }
 
 }  // namespace
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace viscobar {
 
@@ -22,8 +24,20 @@ void append_digits(std::string& text, double value, int digits) {
   append(text, value, std::chars_format::general, digits);
 }
 
-void append_decimals(std::string& text, double value, int decimals) {
-  append(text, value, std::chars_format::fixed, decimals);
+void append_thousandths(std::string& text, double value) {
+  constexpr double most = 1e12;  // a whole number of thousandths below it is exact in a double
+  if (!(std::abs(value) < most)) return append(text, value, std::chars_format::fixed, 0);
+  auto rest = static_cast<std::uint64_t>(std::abs(value) * 1000.0 + 0.5);
+  if (value < 0.0 && rest > 0) text += '-';
+  std::array<char, 20> room;
+  char *const end = room.data() + room.size(), *begin = end;
+  int decimals = 3;
+  for (; decimals > 0 && rest % 10 == 0; --decimals) rest /= 10;
+  for (int place = 0; rest > 0 || place <= decimals; ++place, rest /= 10) {
+    if (place == decimals && decimals > 0) *--begin = '.';
+    *--begin = static_cast<char>('0' + rest % 10);
+  }
+  text.append(begin, end);
 }
 
 std::string with_true_minus(std::string text) { return text.starts_with('-') ? "\u2212" + text.substr(1) : text; }

@@ -16,10 +16,10 @@ std::optional<Number> number_in(std::string_view text) {
   return error == std::errc{} && rest == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
-/// Appends a finite number with so many significant digits, or with so many decimals: as fmt's "{:.{}g}" and "{:.{}f}",
-/// in less time. A page has some ten thousand of them.
+/// Appends a finite number with so many significant digits, as fmt's "{:.{}g}", in less time.
 void append_digits(std::string& text, double value, int digits);
-void append_decimals(std::string& text, double value, int decimals);
+/// Appends the nearest multiple of 1/1000 in its shortest form. A page has some ten thousand of them.
+void append_thousandths(std::string& text, double value);
 
 /// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);

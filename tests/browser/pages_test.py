@@ -63,10 +63,10 @@ class Browsed(unittest.TestCase):
     def place(self, picture, x, y):
         """Where a point of a picture is in the window, after scrolling there."""
         return self.value(f"""(() => {{
-            const chart = viscobar.charts.get("{picture}"), over = chart.plot.over;
+            const chart = viscobar.charts.get("{picture}"), {{ over, frame }} = chart;
             over.scrollIntoView({{ block: "center", behavior: "instant" }});
             const box = over.getBoundingClientRect();
-            return [box.left + chart.plot.valToPos({x}, "x"), box.top + chart.plot.valToPos({y}, "y")]; }})()""")
+            return [box.left + chart.px({x}) - frame.left, box.top + chart.py({y}) - frame.top]; }})()""")
 
 
 class ARunsReport(Browsed):
@@ -88,7 +88,8 @@ class ARunsReport(Browsed):
     def test_map_has_the_colours_of_the_displacement(self):
         # Independent of the page's data: u from the field by `viscobar export`, the scale as report/plot/colours.hpp says.
         # Half a pixel off in x and t, u changes by less than 0.5 % of the scale, which is 0.1 of the distance of two anchors,
-        # and so does a step of the 255 of the palette; anchors are at most 40 apart: 2 * 0.1 * 40.
+        # and so does a step of the 255 of the palette; anchors are at most 40 apart: 2 * 0.1 * 40. The image has half as many
+        # pixels as the screen, with straight lines of colour between them.
         tolerance = 8
         scale = self.value("JSON.parse(document.getElementById('data').textContent).field.colours")
         anchors = [[int(hex[i:i + 2], 16) for i in (1, 3, 5)] for hex in scale["anchors"]]
@@ -118,11 +119,15 @@ class ARunsReport(Browsed):
             self.browser.settle()
             self.assertAlmostEqual(self.time(), time, places=9)
             x, y = self.place("bar", 0.3, "viscobar.field.value(viscobar.player.time, 0.3)")
-            shade = self.value("viscobar.colours.palette[viscobar.colours.index(viscobar.field.value(viscobar.player.time, 0.3))]")
+            shade = self.shade("viscobar.field.shade(viscobar.field.value(viscobar.player.time, 0.3))")
             self.assertAlike(self.browser.pixel(x, y - 5), shade)
             self.assertNotAlike(self.browser.pixel(x, y + 7), shade)
             seen.append(y)
         self.assertGreater(abs(seen[0] - seen[1]), 10)
+
+    def shade(self, expression):
+        """Red, green and blue of a colour of the page."""
+        return [int(channel) for channel in re.findall(r"\d+", self.value(expression))]
 
     def assertAlike(self, pixel, shade):
         # A gradient between stops of neighbouring shades: a step or two of 255 in each channel, and rounding.
@@ -168,7 +173,7 @@ class ARunsReport(Browsed):
         # By its mark in a picture, which is at the frame's upper edge; the pointer may be five pixels beside it.
         last = changes[-1]
         x, _ = self.place("energy", last["t"], 0)
-        top = self.value("viscobar.charts.get('energy').plot.over.getBoundingClientRect().top")
+        top = self.value("viscobar.charts.get('energy').over.getBoundingClientRect().top")
         self.browser.click(x + 3, top + 6)
         self.assertAlmostEqual(self.time(), float(last["t"]), places=7)
         # By its row in the table.
@@ -183,7 +188,7 @@ class ARunsReport(Browsed):
         self.browser.move(*self.place("left-end", end / 2, 0))
         for name in ("displacement", "energy", "reactions"):
             shown = self.value(f"""(() => {{ const chart = viscobar.charts.get("{name}");
-                return chart.plot.posToVal(new DOMMatrix(getComputedStyle(chart.cursor[0][1]).transform).e, "x"); }})()""")
+                return chart.view.x.value(new DOMMatrix(getComputedStyle(chart.cursor.x).transform).e + chart.frame.left); }})()""")
             self.assertAlmostEqual(shown, end / 2, delta=end / 500)  # a pixel or two
         self.assertAlmostEqual(self.value("viscobar.links.t.place"), end / 2, delta=end / 500)
         self.assertEqual(self.time(), 0)
@@ -216,22 +221,22 @@ class ARunsReport(Browsed):
             self.value(f"viscobar.player.go({time})")
             self.browser.settle()
             place = "viscobar.axial.magnification * viscobar.field.value(viscobar.player.time, 0)"
-            x, y = self.place("axial", place, 0.5)
-            inside = self.value("viscobar.ofStress.palette[viscobar.ofStress.index(viscobar.stress.value(viscobar.player.time, 0))]")
+            x, y = self.place("axial", place, "(chart.view.y.low + chart.view.y.high) / 2")
+            inside = self.shade("viscobar.stress.shade(viscobar.stress.value(viscobar.player.time, 0))")
             self.assertAlike(self.browser.pixel(x + 4, y), inside)
-        self.assertEqual(self.value("viscobar.charts.get('axial').figure.layers.filter(({ kind }) => kind === 'wall').length"), 2)
+        self.assertEqual(self.value("viscobar.charts.get('axial').inner.querySelectorAll('.fixed .surface').length"), 2)
 
     def test_dragging_zooms_all_pictures_over_time_and_a_double_click_shows_the_whole(self):
         end = self.value("viscobar.field.t.at(-1)")
         begin, stop = self.place("energy", end / 4, 0), self.place("energy", end / 2, 0)
         self.browser.drag((begin[0], begin[1] - 40), (stop[0], stop[1] - 40))
         for name in ("displacement", "energy", "left-end", "reactions"):
-            low, high = self.value(f"(s => [s.min, s.max])(viscobar.charts.get('{name}').plot.scales.x)")
+            low, high = self.value(f"(s => [s.low, s.high])(viscobar.charts.get('{name}').view.x)")
             self.assertAlmostEqual(low, end / 4, delta=end / 300)
             self.assertAlmostEqual(high, end / 2, delta=end / 300)
-        self.value("""viscobar.charts.get("energy").plot.over.dispatchEvent(new MouseEvent("dblclick", { bubbles: true }))""")
+        self.value("""viscobar.charts.get("energy").over.dispatchEvent(new MouseEvent("dblclick", { bubbles: true }))""")
         self.browser.settle()
-        self.assertEqual(self.value("viscobar.charts.get('left-end').plot.scales.x.max"), end)
+        self.assertEqual(self.value("viscobar.charts.get('left-end').view.x.high"), end)
 
     def test_is_dark_where_the_system_or_the_reader_wants_it(self):
         corner = (3, 3)
@@ -239,7 +244,7 @@ class ARunsReport(Browsed):
         self.browser.media(scheme="dark")
         self.assertLess(max(self.browser.pixel(*corner)), 60)
         # Inside of a picture, too: the paper in the lower left corner of a frame.
-        x, y = self.place("energy", "viscobar.field.t.at(-1)", "viscobar.charts.get('energy').figure.y.high")
+        x, y = self.place("energy", "viscobar.field.t.at(-1)", "viscobar.charts.get('energy').y.high")
         self.assertLess(max(self.browser.pixel(x - 5, y + 25)), 70)
         self.value("document.querySelector('[aria-label=\"Light or dark\"]').click()")
         self.browser.settle()
@@ -291,7 +296,7 @@ class OtherReports(Browsed):
             self.browser.settle()
             gap = 1e-4 - 1e-4 * (1 - math.cos(2 * math.pi * 400 * time))
             # Above the bar, where nothing else is drawn: a line as dark as the ink, hatches on the left, none on the right.
-            x, y = self.place("axial", f"-viscobar.axial.magnification * {gap}", 0.9)
+            x, y = self.place("axial", f"-viscobar.axial.magnification * {gap}", "chart.view.y.high + 0.1")
             self.assertLess(min(sum(self.browser.pixel(x + k, y)) for k in (-1, 0, 1)), 3 * 110, time)
             self.assertGreater(min(sum(self.browser.pixel(x + k, y)) for k in (3, 4, 5, 6)), 3 * 200, time)
 
@@ -304,7 +309,7 @@ class OtherReports(Browsed):
     def test_of_a_bar_under_a_span_obstacle_shows_where_it_touches(self):
         for scene, touches in (("unit-span", True), ("unit-span-loaded", False)):
             self.report(scene)
-            scales = self.value("[...document.querySelectorAll('.scale')].map(one => one.textContent).join(' ')")
+            scales = self.value("[...document.querySelectorAll('.live .legend')].map(one => one.textContent).join(' ')")
             self.assertIn("u from", scales)
             self.assertEqual("in contact" in scales, touches, scene)
 
@@ -360,8 +365,20 @@ class Studies(Browsed):
         self.browser.move(*self.place("penetration", row["epsilon"], row["max_penetration"]))
         self.assertNotIn("10⁻⁵", self.tip("penetration"))
 
+    def assertSame(self, told, cell):
+        """A value of JSON and a cell of CSV."""
+        self.assertEqual(told, None if cell == "" else type(told)(cell))
+
     def test_precision_is_read_by_arrow_keys(self):
-        self.study("precision", "unit-both-ends", "--methods", "rigid,fully_discrete", "--halvings", "3", "--tolerance", "1e-3:1e-6")
+        directory = self.study("precision", "unit-both-ends", "--methods", "rigid,fully_discrete", "--halvings", "3", "--tolerance",
+                               "1e-3:1e-6")
+        with open(os.path.join(directory, "precision.json")) as file:
+            told = json.load(file)["rows"]
+        rows = rows_of(directory, "precision.csv")
+        self.assertEqual(len(rows), len(told))
+        for row, values in zip(rows, told):
+            for key, value in values.items():
+                self.assertSame(value, row[key])
         self.value("viscobar.charts.get('error').host.focus()")
         self.browser.key("ArrowRight")
         first = self.tip("error")
@@ -370,7 +387,16 @@ class Studies(Browsed):
         self.assertNotEqual(self.tip("error"), first)
 
     def test_compare_points_at_one_time_in_all_pictures(self):
-        self.study("compare", "unit-both-ends", "--methods", "cvode,rigid")
+        directory = self.study("compare", "unit-both-ends", "--methods", "cvode,rigid")
+        with open(os.path.join(directory, "compare.json")) as file:
+            told = json.load(file)
+        for row, method in zip(rows_of(directory, "compare.csv"), told["methods"], strict=True):
+            for key in ("method", "mass", "steps", "events", "max_penetration", "relative_tolerance"):
+                self.assertSame(method[key], row[key])
+            for pair in told["pairs"]:
+                if row["method"] == pair["other"]:
+                    self.assertSame(pair["displacement_l2"], row["displacement_l2"])
+                    self.assertSame(pair["energy_final"], row["energy_difference"])
         self.browser.move(*self.place("left-end", 3.0, 0))
         self.assertAlmostEqual(self.value("viscobar.links.t.place"), 3.0, delta=0.02)
         self.assertNotEqual(self.value("document.querySelector('[data-picture=left-end] .value').textContent"), "")

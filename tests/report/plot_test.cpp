@@ -168,12 +168,26 @@ TEST(Digits, AreThoseOfFmt) {
   for (const double value : {0.0, 0.1, 0.5, 2.0 / 3.0, 0.999999999, 1.0, 9.5, 123456.0, 1e16})
     for (const double factor : {1.0, -1.0, 1e-5, 1e-300, 1e280})
       for (const int precision : {1, 2, 5, 9, 17}) {
-        std::string digits = "as ", decimals = "as ";
+        std::string digits = "as ";
         append_digits(digits, value * factor, precision);
-        append_decimals(decimals, value * factor, precision);
         EXPECT_EQ(digits, fmt::format("as {:.{}g}", value * factor, precision));
-        EXPECT_EQ(decimals, fmt::format("as {:.{}f}", value * factor, precision));
       }
+}
+
+// Half a thousandth, and rounding of the product and of what is read back.
+TEST(Thousandths, AreNearestAndAsShortAsCanBe) {
+  for (int k = -3000; k <= 3000; ++k)
+    for (const double factor : {1.0, 1e-3, 0.3337, 12345.678901}) {
+      const double value = k * factor;
+      std::string text;
+      append_thousandths(text, value);
+      EXPECT_NEAR(std::stod(text), value, 0.5e-3 + 1e-15 * std::abs(value)) << text;
+      if (text.find('.') != text.npos) EXPECT_NE(text.back(), '0') << text;
+      EXPECT_NE(text, "-0");
+    }
+  std::string text = "M";
+  for (const double value : {0.0, -0.0004, 84.0, 0.05, -2.125, 1e15}) append_thousandths(text, value), text += ' ';
+  EXPECT_EQ(text, "M0 0 84 0.05 -2.125 1000000000000000 ");
 }
 
 TEST(Base64, OfTheVectorsOfRfc4648) {
@@ -254,24 +268,26 @@ TEST(Figure, AsAFileHasItsColoursWithinAndNoVariables) {
     EXPECT_EQ(file.find(of_a_page), std::string::npos);
 }
 
-TEST(Figure, TellsTheScriptOfAPageWhatItDraws) {
+TEST(Figure, MarksForTheScriptOfAPageWhatItDraws) {
   Figure figure({.label = "t", .low = 0.0, .high = 1.0, .link = "t"}, fitted_decades("y", 0.1, 1.0));
-  figure.line(std::vector<Point>{{0, 0.5}, {0.25, std::nan("")}, {1, 0.75}}, {series_colour(0), true, 2.0},
-              "</script>");
+  figure.series(std::vector<Point>{{0, 0.1}, {0.25, std::nan("")}, {1, 1.0}}, {series_colour(0), true, 2.0},
+                "</script>");
   figure.shade(std::vector<Interval>{{0.25, 0.5}}, series_colour(1), "band");
-  const std::string text = figure.live("a title");
-  EXPECT_EQ(text.find('<'), std::string::npos);
-  const auto live = nlohmann::json::parse(text);
-  EXPECT_EQ(live["title"], "a title");
-  EXPECT_EQ(live["x"]["link"], "t");
-  EXPECT_EQ(live["y"]["log"], true);
-  const auto line = live["layers"][0], band = live["layers"][1];
-  EXPECT_EQ(line["label"], "</script>");
-  EXPECT_EQ(line["dashed"], true);
-  EXPECT_EQ(line["x"], nlohmann::json({0, 0.25, 1}));
-  EXPECT_EQ(line["y"], nlohmann::json({0.5, nullptr, 0.75}));
-  EXPECT_EQ(band["kind"], "bands");
-  EXPECT_EQ(band["parts"], nlohmann::json({0.25, 0.5}));
+  figure.level(0.5, {series_colour(0)});
+  const std::string svg = figure.svg("a title");
+  EXPECT_EQ(svg.find("</script>"), std::string::npos);
+  const auto has = [&](const std::string& text) { return svg.find(text) != std::string::npos; };
+  EXPECT_TRUE(has("aria-label=\"a title\""));
+  EXPECT_TRUE(
+      has("{&quot;label&quot;:&quot;t&quot;,&quot;low&quot;:0,&quot;high&quot;:1,&quot;link&quot;:&quot;t&quot;}"));
+  EXPECT_TRUE(has("&quot;low&quot;:0.1,&quot;high&quot;:1,&quot;log&quot;:true}"));
+  // From the lower left corner of the frame to the upper right one; the point without a value is left out.
+  EXPECT_TRUE(has("class=\"line\" data-key=\"&lt;/script&gt;\" d=\"M84 214L800 12\""));
+  EXPECT_TRUE(has("data-at=\"0 0.1\" data-key=\"&lt;/script&gt;\""));
+  EXPECT_TRUE(has("data-at=\"1 1\" data-key=\"&lt;/script&gt;\""));
+  // A level without a text is hidden with the line of its colour.
+  EXPECT_TRUE(has("class=\"level\" data-level=\"0.5\" data-key=\"&lt;/script&gt;\""));
+  EXPECT_TRUE(has("data-key=\"band\" d=\"M263 12.00h179v202H263z\""));
 }
 
 }  // namespace

@@ -30,13 +30,15 @@ struct PicturedPage {
 std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check);
 /// The same for the terminal.
 std::string compare_text(const MethodChoice& choice, const Comparison& check);
+/// The methods as CSV, each with its difference to the reference.
+std::string compare_csv(const Comparison& check);
 /// The same as a page with pictures.
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check);
 
 /// The output of `viscobar limit` as JSON.
 std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
                        const CouplingResult& coupling);
-/// Its rows as CSV, those that a row lacks empty.
+/// Its rows as CSV.
 std::string limit_csv(const LimitResult& result);
 /// Options of the study whose limit.json this is: penalties, meshes, steps, tolerance, budget, derivatives.
 /// Absent: it is another text. @throws std::invalid_argument where that is spoiled
@@ -52,6 +54,8 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
 /// The same for the terminal.
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result);
+/// Its rows as CSV.
+std::string precision_csv(const PrecisionResult& result);
 /// The same as a page with pictures.
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result);
 

@@ -251,6 +251,14 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   return json_text(json);
 }
 
+std::string compare_csv(const Comparison& check) {
+  return csv_of(pick(compare_columns(), {"method", "mass", "step", "relative_tolerance", "epsilon", "steps", "seconds",
+                                         "events", "max_penetration", "energy_final", "energy_dissipated",
+                                         "displacement_l2", "displacement_h1", "velocity_l2", "end_trace",
+                                         "events_matched", "largest_event_shift", "energy_difference", "error"}),
+                compared_runs(check, [&](std::size_t run) { return check.to_reference(run); }));
+}
+
 std::string compare_text(const MethodChoice& choice, const Comparison& check) {
   std::string out = "Methods\n" + text(method_table(check, plain_number));
   if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())

@@ -29,23 +29,75 @@ std::string settings(const MethodRun& method, NumberText number) {
 
 std::string place(const ContactPeriod& period) { return place(Event{period.begin, period.where, period.node}); }
 
+namespace {
+
+std::function<Cell(const ComparedRun&)> of_recording(auto value) {
+  return [value](const ComparedRun& row) { return row.run->recording ? cell(value(*row.run->recording)) : Cell(); };
+}
+/// A setting of the built-in methods that have it.
+Column<ComparedRun> of_setup(const char* key, bool has(MethodName), auto value) {
+  return {key, key, [=](const ComparedRun& row) {
+            const Setup& of = row.run->setup;
+            return row.run->built_in && has(of.run.method) ? cell(value(of)) : Cell();
+          }};
+}
+std::function<Cell(const ComparedRun&)> of_energy(double EnergyAccount::*member) {
+  return of_recording([member](const Recording& recording) {
+    const auto& energy = recording.statistics.energy;
+    return energy ? std::optional((*energy).*member) : std::nullopt;
+  });
+}
+std::function<Cell(const ComparedRun&)> of_difference(auto Difference::*member) {
+  return [member](const ComparedRun& row) { return row.difference ? cell((*row.difference).*member) : Cell(); };
+}
+
+}  // namespace
+
+const std::vector<Column<ComparedRun>>& compare_columns() {
+  using Row = ComparedRun;
+  constexpr int digits_of_energy = 5;
+  static const std::vector<Column<Row>> columns = {
+      {"method", "method", [](const Row& row) { return cell(row.run->label); }},
+      {"mass", "mass", [](const Row& row) { return cell(name(row.run->setup.mass)); }},
+      {"settings", "settings", [](const Row&) { return Cell(); },
+       [](const Row& row, NumberText number) { return settings(*row.run, number); }},
+      of_setup("step", is_scheme, [](const Setup& of) { return of.step; }),
+      of_setup("relative_tolerance", is_adaptive, [](const Setup& of) { return of.run.tolerance.relative; }),
+      of_setup("epsilon", is_penalised, [](const Setup& of) { return of.epsilon; }),
+      {"steps", "steps", of_recording([](const Recording& of) { return of.statistics.steps; })},
+      {"seconds", "seconds", of_recording([](const Recording& of) { return of.statistics.integration_seconds; })},
+      {"events", "changes", of_recording([](const Recording& of) { return of.events.size(); })},
+      {"max_penetration", "penetration",
+       of_recording([](const Recording& of) { return of.statistics.max_penetration; })},
+      {"energy_final", "final energy", of_energy(&EnergyAccount::final), {}, false, digits_of_energy},
+      {"energy_dissipated", "dissipated", of_energy(&EnergyAccount::dissipated), {}, false, digits_of_energy},
+      {"displacement_l2", "u, L2", of_difference(&Difference::displacement_l2)},
+      {"displacement_h1", "u, H1", of_difference(&Difference::displacement_h1)},
+      {"velocity_l2", "v, L2", of_difference(&Difference::velocity_l2)},
+      {"end_trace", "end trace", of_difference(&Difference::end_trace)},
+      {"events_matched", "changes matched", of_difference(&Difference::events_matched),
+       [](const Row& row, NumberText) {
+         const Difference& d = *row.difference;
+         return fmt::format("{} of {}, {}", d.events_matched, d.events, d.events_other);
+       }},
+      {"largest_event_shift", "largest shift", of_difference(&Difference::largest_event_shift)},
+      {"energy_difference", "final energy", of_difference(&Difference::energy_final)},
+      {"error", "error", [](const Row& row) { return cell(row.run->error); }}};
+  return columns;
+}
+
+std::vector<ComparedRun> compared_runs(const Comparison& check, const DifferenceOf& difference) {
+  std::vector<ComparedRun> rows;
+  for (std::size_t i = 0; i < check.runs.size(); ++i) rows.push_back({&check.runs[i], difference(i)});
+  return rows;
+}
+
 Table method_table(const Comparison& check, NumberText number) {
-  Table table{
-      {"method", "mass", "settings", "steps", "seconds", "changes", "penetration", "final energy", "dissipated"},
-      3,
-      {}};
-  for (const MethodRun& run : check.runs) {
-    std::vector<std::string> row = {run.label, std::string(name(run.setup.mass)), settings(run, number), "failed"};
-    if (run.recording) {
-      const Statistics& s = run.recording->statistics;
-      const auto energy = [&](double EnergyAccount::*member) { return s.energy ? number((*s.energy).*member, 5) : ""; };
-      row.back() = count(s.steps);
-      row.insert(row.end(),
-                 {number(s.integration_seconds), count(run.recording->events.size()), number(s.max_penetration),
-                  energy(&EnergyAccount::final), energy(&EnergyAccount::dissipated)});
-    }
-    table.rows.push_back(std::move(row));
-  }
+  Table table = table_of(pick(compare_columns(), {"method", "mass", "settings", "steps", "seconds", "events",
+                                                  "max_penetration", "energy_final", "energy_dissipated"}),
+                         compared_runs(check, [](std::size_t) { return nullptr; }), number, 3);
+  for (std::size_t i = 0; i < check.runs.size(); ++i)
+    if (!check.runs[i].recording) end_row(table, i, "failed");
   return table;
 }
 
@@ -54,20 +106,14 @@ Table difference_table(const Comparison& check, NumberText number) {
 }
 
 Table difference_table(const Comparison& check, NumberText number, const std::string& what,
-                       const std::function<const Difference*(std::size_t run)>& difference) {
-  Table table{
-      {what, "mass", "u, L2", "u, H1", "v, L2", "end trace", "changes matched", "largest shift", "final energy"},
-      2,
-      {}};
-  for (std::size_t i = 0; i < check.runs.size(); ++i) {
-    const Difference* d = difference(i);
-    if (!d) continue;
-    const auto known = [&](const std::optional<double>& value) { return value ? number(*value) : std::string(); };
-    table.rows.push_back({check.runs[i].label, std::string(name(check.runs[i].setup.mass)), known(d->displacement_l2),
-                          known(d->displacement_h1), known(d->velocity_l2), number(d->end_trace),
-                          fmt::format("{} of {}, {}", d->events_matched, d->events, d->events_other),
-                          known(d->largest_event_shift), known(d->energy_final)});
-  }
+                       const DifferenceOf& difference) {
+  std::vector<ComparedRun> rows = compared_runs(check, difference);
+  std::erase_if(rows, [](const ComparedRun& row) { return !row.difference; });
+  Table table =
+      table_of(pick(compare_columns(), {"method", "mass", "displacement_l2", "displacement_h1", "velocity_l2",
+                                        "end_trace", "events_matched", "largest_event_shift", "energy_difference"}),
+               rows, number, 2);
+  table.header.front() = what;
   return table;
 }
 

@@ -4,17 +4,27 @@
 #include <string>
 #include <vector>
 
-#include "text/table.hpp"
+#include "report/columns.hpp"
 #include "viscobar/studies/compare/compare.hpp"
 
 namespace viscobar {
+
+/// A run beside its difference to another; null: there is none.
+struct ComparedRun {
+  const MethodRun* run;
+  const Difference* difference;
+};
+using DifferenceOf = std::function<const Difference*(std::size_t run)>;
+std::vector<ComparedRun> compared_runs(const Comparison& check, const DifferenceOf& difference);
+/// The columns of compare.csv, of which the two tables take theirs.
+const std::vector<Column<ComparedRun>>& compare_columns();
 
 /// Mesh, cost and end of each method.
 Table method_table(const Comparison& check, NumberText number);
 /// Each method against the reference; or each run, called `what`, by another `difference`, null where there is none.
 Table difference_table(const Comparison& check, NumberText number);
 Table difference_table(const Comparison& check, NumberText number, const std::string& what,
-                       const std::function<const Difference*(std::size_t run)>& difference);
+                       const DifferenceOf& difference);
 /// Contact periods of the reference and, matched with them, of each other method.
 Table contact_table(const Comparison& check, NumberText number);
 /// The same for the terminal, with its heading; empty without contact.

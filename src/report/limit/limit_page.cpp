@@ -54,22 +54,6 @@ Json detailed(const std::optional<SequenceOrder>& order, const auto& at) {
           {"to", at(order->last)}};
 }
 
-Json to_json(const LimitRow& row) {
-  Json json = {{"epsilon", row.epsilon},
-               {"elements", row.elements},
-               {"mass", name(row.mass)},
-               {"events", row.events},
-               {"max_penetration", row.max_penetration},
-               {"difference_to_scheme", row.difference_to_scheme}};
-  if (row.difference_to_rigid) json["difference_to_rigid"] = *row.difference_to_rigid;
-  if (row.difference_to_own_limit) json["difference_to_own_limit"] = *row.difference_to_own_limit;
-  if (row.difference_to_scheme_limit) json["difference_to_scheme_limit"] = *row.difference_to_scheme_limit;
-  json["tolerance"] = row.tolerance;
-  json["steps"] = row.steps;
-  json["seconds"] = row.seconds;
-  return json;
-}
-
 Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
   const LimitOrders& orders = result.orders[mesh];
   const auto rows = rows_of(result, mesh);
@@ -192,7 +176,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["mass"] = name(resolve(study.scene).mass);
   json["restitution"] = study.scene.restitution;
   json["rows"] = Json::array();
-  for (const LimitRow& row : result.rows) json["rows"].push_back(to_json(row));
+  for (const LimitRow& row : result.rows) json["rows"].push_back(json_of(limit_columns(), row));
   json["failed"] = Json::array();
   for (const FailedRun& run : result.failed)
     json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
@@ -245,17 +229,10 @@ std::optional<LimitStudy> limit_asked(const std::string& json) try {
 }
 
 std::string limit_csv(const LimitResult& result) {
-  std::string out =
-      "elements,epsilon,mass,events,max_penetration,difference_to_scheme,difference_to_own_limit,"
-      "difference_to_scheme_limit,tolerance,steps,seconds\n";
-  const auto number = [](const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : std::string();
-  };
-  for (const LimitRow& row : result.rows)
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", row.elements, row.epsilon, name(row.mass), row.events,
-                       row.max_penetration, row.difference_to_scheme, number(row.difference_to_own_limit),
-                       number(row.difference_to_scheme_limit), row.tolerance, row.steps, row.seconds);
-  return out;
+  return csv_of(
+      pick(limit_columns(), {"elements", "epsilon", "mass", "events", "max_penetration", "difference_to_scheme",
+                             "difference_to_own_limit", "difference_to_scheme_limit", "tolerance", "steps", "seconds"}),
+      result.rows);
 }
 
 std::string limit_row_text(const LimitRow& row) {

@@ -175,31 +175,27 @@ std::string verdict_reason(const LimitStudy& study, const LimitResult& result, s
   return tells ? reason + remedy_of_plateau(study) : reason;
 }
 
+const std::vector<Column<LimitRow>>& limit_columns() {
+  static const std::vector<Column<LimitRow>> columns = {
+      column("epsilon", "epsilon", &LimitRow::epsilon),
+      column("elements", "elements", &LimitRow::elements),
+      {"mass", "mass", [](const LimitRow& row) { return cell(name(row.mass)); }},
+      column("events", "contact changes", &LimitRow::events),
+      column("max_penetration", "largest penetration", &LimitRow::max_penetration),
+      column("difference_to_scheme", "to the scheme", &LimitRow::difference_to_scheme),
+      column("difference_to_rigid", "to rigid", &LimitRow::difference_to_rigid, true),
+      column("difference_to_own_limit", "to its own limit", &LimitRow::difference_to_own_limit, true),
+      column("difference_to_scheme_limit", "to the scheme's limit", &LimitRow::difference_to_scheme_limit, true),
+      column("tolerance", "tolerance", &LimitRow::tolerance),
+      column("steps", "steps", &LimitRow::steps),
+      column("seconds", "seconds", &LimitRow::seconds)};
+  return columns;
+}
+
 Table limit_table(const LimitResult& result, NumberText number) {
-  struct Distance {
-    const char* name;
-    std::optional<double> LimitRow::*value;
-  };
-  std::vector<Distance> distances;
-  const auto add = [&](const char* name, std::optional<double> LimitRow::*value) {
-    const auto has = [&](const LimitRow& row) { return (row.*value).has_value(); };
-    if (std::ranges::any_of(result.rows, has)) distances.push_back({name, value});
-  };
-  add("to its own limit", &LimitRow::difference_to_own_limit);
-  add("to the scheme's limit", &LimitRow::difference_to_scheme_limit);
-  Table table{{"elements", "epsilon", "contact changes", "largest penetration", "to the scheme"}, 0, {}};
-  for (const Distance& distance : distances) table.header.emplace_back(distance.name);
-  table.header.insert(table.header.end(), {"steps", "seconds"});
-  for (const LimitRow& row : result.rows) {
-    std::vector<std::string> cells = {fmt::format("{}", row.elements), number(row.epsilon),
-                                      fmt::format("{}", row.events), number(row.max_penetration),
-                                      number(row.difference_to_scheme)};
-    for (const Distance& distance : distances)
-      cells.push_back(row.*distance.value ? number(*(row.*distance.value)) : "");
-    cells.insert(cells.end(), {fmt::format("{}", row.steps), number(row.seconds)});
-    table.rows.push_back(std::move(cells));
-  }
-  return table;
+  return table_of(pick(limit_columns(), {"elements", "epsilon", "events", "max_penetration", "difference_to_scheme",
+                                         "difference_to_own_limit", "difference_to_scheme_limit", "steps", "seconds"}),
+                  result.rows, number, 0);
 }
 
 Table order_table(const LimitStudy& study, const LimitResult& result) {

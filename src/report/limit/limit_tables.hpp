@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "report/columns.hpp"
 #include "report/page.hpp"
 #include "text/table.hpp"
 #include "viscobar/studies/limit/coupling.hpp"
@@ -35,6 +36,8 @@ std::string verdict_reason(const LimitStudy& study, const LimitResult& result, s
 /// Distance of the limits on a mesh, in a sentence to quote. Empty where it is not known.
 std::string limit_sentence(const LimitOrders& orders);
 
+/// The columns of limit.json, of which limit.csv and the table take theirs.
+const std::vector<Column<LimitRow>>& limit_columns();
 Table limit_table(const LimitResult& result, NumberText number);
 Table order_table(const LimitStudy& study, const LimitResult& result);
 Table own_motion_table(const OwnMotion& motion, NumberText number);

@@ -6,8 +6,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <functional>
 #include <iterator>
+#include <ranges>
 
 #include "text/joined.hpp"
 #include "text/json_text.hpp"
@@ -20,7 +20,8 @@ namespace {
 
 constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
-// 1 / 10^5 of a picture, and enough digits of a time to tell its events apart.
+/// Of the numbers that a marker tells. Lines are drawn to 1/1000 of a pixel: to 1 / 10^5 of a picture's height, 1 /
+/// 10^6 of its width.
 constexpr int digits_of_y = 5, digits_of_x = 9;
 
 std::string json(const Axis& axis) {
@@ -32,42 +33,22 @@ std::string json(const Axis& axis) {
   return text + '}';
 }
 
-std::string json(std::span<const Interval> parts) {
-  std::vector<double> ends;
-  for (const Interval& part : parts) ends.insert(ends.end(), {part.begin, part.end});
-  return json_numbers(ends, std::identity(), digits_of_x);
-}
+constexpr std::array<std::string_view, 6> dashes = {"", "7 4", "2 3", "9 3 2 3", "4 2", "12 4"};
+constexpr std::array<std::string_view, 6> outlines = {"M-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0-7 0z",
+                                                      "M-3.5-3.5h7v7h-7z",
+                                                      "M0-4.2l4.2 7.4h-8.4z",
+                                                      "M0-4.7l4.2 4.7l-4.2 4.7l-4.2-4.7z",
+                                                      "M-3.5-3.5l7 7M3.5-3.5l-7 7",
+                                                      "M0 4.2l4.2-7.4h-8.4z"};
 
-std::string json(std::span<const Point> points, const Axis& y) {
-  const auto x_of = [](Point point) { return point.x; };
-  const auto y_of = [](Point point) { return point.y; };
-  return joined({R"("x":)", json_numbers(points, x_of, digits_of_x), R"(,"y":)",
-                 json_numbers(points, y_of, y.significant_digits(digits_of_y))});
-}
-
-std::string json(const Style& style, std::string_view legend) {
-  return fmt::format(R"("colour":{},"width":{}{}{},"label":{})", json_string(style.colour), style.width,
-                     style.dashed ? R"(,"dashed":true)" : "",
-                     style.shape > 0 ? fmt::format(R"(,"shape":{})", style.shape) : "", json_string(legend));
-}
-
-// The script has the same: src/report/web/layers.js.
-constexpr std::array dashes = {"", "7 4", "2 3", "9 3 2 3", "4 2", "12 4"};
-
-std::string dash_css(const Style& style) {
+std::string stroke_css(const Style& style, double thickness) {
   const std::string_view dash = style.dashed ? "6 4" : dashes[style.shape % dashes.size()];
-  return dash.empty() ? "" : fmt::format(";stroke-dasharray:{}", dash);
+  return fmt::format("stroke:{};stroke-width:{}{}{}", style.colour, thickness,
+                     dash.empty() ? "" : ";stroke-dasharray:", dash);
 }
 
-std::string marker_path(std::size_t shape, double x, double y, double r) {
-  switch (shape % 6) {
-    case 1: return fmt::format("M{:.1f} {:.1f}h{}v{}h{}z", x - r, y - r, 2 * r, 2 * r, -2 * r);
-    case 2: return fmt::format("M{:.1f} {:.1f}l{} {}h{}z", x, y - 1.2 * r, 1.2 * r, 2.1 * r, -2.4 * r);
-    case 3: return fmt::format("M{0:.1f} {1:.1f}l{2} {3}l-{2} {3}l-{2} -{3}z", x, y - 1.35 * r, 1.2 * r, 1.35 * r);
-    case 4: return fmt::format("M{0:.1f} {1:.1f}l{2} {2}M{3:.1f} {1:.1f}l-{2} {2}", x - r, y - r, 2 * r, x + r);
-    case 5: return fmt::format("M{:.1f} {:.1f}l{} {}h{}z", x, y + 1.2 * r, 1.2 * r, -2.1 * r, -2.4 * r);
-    default: return fmt::format("M{0:.1f} {1:.1f}a{2} {2} 0 1 0 {3} 0a{2} {2} 0 1 0 -{3} 0z", x - r, y, r, 2 * r);
-  }
+std::string marker(const std::string& colour, std::size_t shape) {
+  return fmt::format("style=\"fill:{0};stroke:{0}\" d=\"{1}\"", colour, outlines[shape % outlines.size()]);
 }
 
 // Factor of the labels of an axis, behind its name.
@@ -85,6 +66,9 @@ std::string named_after(std::string text, std::string_view title) {
 
 }  // namespace
 
+std::span<const std::string_view> dash_shapes() { return dashes; }
+std::span<const std::string_view> marker_shapes() { return outlines; }
+
 double height_of_bars(std::size_t rows) { return top + below + legend_pitch * static_cast<double>(rows) + 1.0; }
 
 Figure::Figure(Axis x, Axis y, double height)
@@ -96,80 +80,96 @@ double Figure::place_y(double value) const {
   return bottom - y_.position(value) * (bottom - top);
 }
 
-std::string Figure::boxes(std::span<const Interval> parts, double top, double height, double least) const {
+std::string Figure::key(const std::string& colour, std::string_view legend) {
+  std::string& name = keys_[colour];
+  if (!legend.empty()) name = legend;
+  return name.empty() ? "" : fmt::format(" data-key=\"{}\"", escaped(name));
+}
+
+std::string Figure::path(std::span<const Point> points) const {
+  std::string d;
+  d.reserve(16 * points.size());
+  for (const Point& point : points) {
+    const double x = place_x(point.x), y = place_y(point.y);
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    d += d.empty() ? 'M' : 'L';
+    append_thousandths(d, x);
+    d += ' ';
+    append_thousandths(d, y);
+  }
+  return d;
+}
+
+std::string Figure::boxes(std::span<const Interval> parts, double top, double height) const {
   std::string d;
   for (const Interval& part : parts) {
     const double from = place_x(std::max(part.begin, x_.low)), to = place_x(std::min(part.end, x_.high));
     if (to < from) continue;
-    const double size = std::max(least, to - from);
-    fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h{:.2f}v{}h{:.2f}z", from, top, size, height, -size);
+    d += 'M';
+    append_thousandths(d, from);
+    fmt::format_to(std::back_inserter(d), " {:.2f}h", top);
+    append_thousandths(d, to - from);
+    fmt::format_to(std::back_inserter(d), "v{}H", height);
+    append_thousandths(d, from);
+    d += 'z';
   }
   return d;
 }
 
 void Figure::shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend) {
-  const std::string d = boxes(bands, top, height_ - below - top, 1.0);
+  const std::string d = boxes(bands, top, height_ - below - top);
   if (d.empty()) return;
-  live_layer(fmt::format(R"({{"kind":"bands","colour":{},"label":{},"parts":{}}})", json_string(colour),
-                         json_string(legend), json(bands)));
-  content_ += fmt::format("<path class=\"band\" style=\"fill:{}\" d=\"{}\"/>\n", colour, d);
-  if (!legend.empty()) legend_box(colour, legend, "band");
+  const std::string style = fmt::format("class=\"band\" style=\"fill:{0};stroke:{0}\"", colour);
+  const std::string name = legend.empty() ? "" : fmt::format(" data-key=\"{}\"", escaped(legend));
+  content_ += joined({"<path ", style, name, " d=\"", d, "\"/>\n"});
+  if (!legend.empty()) legend_key(fmt::format("<path {} d=\"M0 -5h20v10h-20z\"/>", style), legend, name);
+}
+
+void Figure::stroke(std::span<const Point> points, const Style& style, std::string_view attributes) {
+  content_ +=
+      joined({"<path style=\"", stroke_css(style, style.width), "\"", attributes, " d=\"", path(points), "\"/>\n"});
 }
 
 void Figure::level(double y, const Style& style, std::string_view legend) {
-  live_layer(fmt::format(R"({{"kind":"level","y":{:.9g},{}}})", y, json(style, legend)));
-  stroke(std::vector<Point>{{x_.low, y}, {x_.high, y}}, style);
+  stroke(std::vector<Point>{{x_.low, y}, {x_.high, y}}, style,
+         fmt::format(" class=\"level\" data-level=\"{:.9g}\"{}", y, key(style.colour, legend)));
   legend_line(style, legend);
+}
+
+void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
+  stroke(points, style, " class=\"line\"" + key(style.colour, legend));
+  legend_line(style, legend);
+}
+
+void Figure::area(std::span<const Point> lower, std::span<const Point> upper, double lift) {
+  std::string d = path(lower);
+  for (const Point& point : upper | std::views::reverse)
+    if (std::isfinite(point.y))
+      fmt::format_to(std::back_inserter(d), "L{:.2f} {:.2f}", place_x(point.x), place_y(point.y) - lift);
+  content_ += joined({"<path class=\"area\" d=\"", d, "z\"/>\n"});
 }
 
 void Figure::body(double y, Interval part, bool above) {
   const double from = place_x(part.begin), to = place_x(part.end), surface = place_y(y);
   const double depth = std::clamp(above ? surface : height_ - below - surface, 0.0, 12.0);
-  live_layer(fmt::format(R"({{"kind":"body","y":{:.9g},"from":{:.9g},"to":{:.9g}{}}})", y, part.begin, part.end,
-                         above ? R"(,"above":true)" : ""));
   content_ += fmt::format(
       "<rect class=\"body\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>"
       "<path class=\"surface\" d=\"M{:.2f} {:.2f}H{:.2f}\"/>\n",
       from, above ? surface - depth : surface, to - from, depth, from, surface, to);
 }
 
-void Figure::stroke(std::span<const Point> points, const Style& style) {
-  std::string d;
-  for (const Point& point : points) {
-    const double x = place_x(point.x), y = place_y(point.y);
-    if (!std::isfinite(x) || !std::isfinite(y)) continue;
-    d += d.empty() ? 'M' : 'L';
-    append_decimals(d, x, 1);
-    d += ' ';
-    append_decimals(d, y, 1);
-  }
-  content_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"{}\"/>\n", style.colour,
-                          style.width, dash_css(style), d);
-}
-
-void Figure::line(std::span<const Point> points, const Style& style, std::string_view legend) {
-  live_layer(joined({R"({"kind":"line",)", json(style, legend), ",", json(points, y_), "}"}));
-  constexpr std::size_t told_apart = 600;
-  if (points.size() > 4 * told_apart)
-    stroke(thin(points, told_apart), style);
-  else
-    stroke(points, style);
-  legend_line(style, legend);
-}
-
 void Figure::markers(std::span<const Point> points, const std::string& colour, std::string_view legend,
                      std::size_t shape) {
-  constexpr double radius = 3.5;
-  live_layer(fmt::format(R"({{"kind":"marks","colour":{},"label":{},"shape":{},{}}})", json_string(colour),
-                         json_string(legend), shape, json(points, y_)));
-  const auto marker = [&](double x, double y) {
-    return fmt::format("<path class=\"marker\" style=\"fill:{0};stroke:{0}\" d=\"{1}\"/>", colour,
-                       marker_path(shape, x, y, radius));
-  };
-  for (const Point& point : points) content_ += marker(place_x(point.x), place_y(point.y)) + '\n';
-  if (legend.empty()) return;
-  legend_ += marker(right + 24, legend_y_);
-  legend_text(legend);
+  const std::string look = marker(colour, shape), name = key(colour, legend);
+  for (const Point& point : points) {
+    const double x = place_x(point.x), y = place_y(point.y);
+    if (std::isfinite(x) && std::isfinite(y))
+      content_ += fmt::format(
+          "<path class=\"marker fixed\" transform=\"translate({:.2f} {:.2f})\" data-at=\"{:.{}g} {:.{}g}\"{} {}/>\n", x,
+          y, point.x, digits_of_x, point.y, y_.significant_digits(digits_of_y), name, look);
+  }
+  if (!legend.empty())
+    legend_key(fmt::format("<path class=\"marker\" transform=\"translate(10 0)\" {}/>", look), legend, name);
 }
 
 void Figure::series(std::span<const Point> points, const Style& style, std::string_view legend) {
@@ -178,25 +178,23 @@ void Figure::series(std::span<const Point> points, const Style& style, std::stri
 }
 
 void Figure::label(Point at, std::string_view text) {
-  live_layer(fmt::format(R"({{"kind":"text","x":{:.9g},"y":{:.9g},"text":{}}})", at.x, at.y, json_string(text)));
-  content_ += fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", place_x(at.x) + 6,
-                          place_y(at.y) - 6, escaped(text));
+  content_ +=
+      fmt::format("<text class=\"note fixed\" transform=\"translate({:.1f} {:.1f})\" x=\"6\" y=\"-6\">{}</text>\n",
+                  place_x(at.x), place_y(at.y), escaped(text));
 }
 
 void Figure::marker_line(double x, const Style& style, std::string_view text) {
-  live_layer(fmt::format(R"({{"kind":"upright","x":{:.9g},{},"text":{}}})", x, json(style, {}), json_string(text)));
-  stroke(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style);
-  content_ +=
-      fmt::format("<text class=\"note\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", place_x(x) + 5, top + 15, escaped(text));
+  stroke(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style, " class=\"upright\"");
+  content_ += fmt::format("<text class=\"note fixed\" transform=\"translate({:.1f} {})\" x=\"5\" y=\"15\">{}</text>\n",
+                          place_x(x), top, escaped(text));
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
   constexpr double thickness = 11.0;
-  live_layer(fmt::format(R"({{"kind":"bars","y":{},"colour":{},"label":{},"parts":{}}})", y, json_string(colour),
-                         json_string(legend), json(parts)));
-  content_ += fmt::format("<path style=\"fill:{}\" d=\"{}\"/>\n", colour,
-                          boxes(parts, place_y(y) - thickness / 2, thickness, 0.75));
-  legend_box(colour, legend);
+  const std::string style = fmt::format("class=\"bar\" style=\"fill:{0};stroke:{0}\"", colour);
+  const std::string name = fmt::format(" data-key=\"{}\"", escaped(legend));
+  content_ += joined({"<path ", style, name, " d=\"", boxes(parts, place_y(y) - thickness / 2, thickness), "\"/>\n"});
+  legend_key(fmt::format("<path {} d=\"M0 -5h20v10h-20z\"/>", style), legend, name);
 }
 
 void Figure::image(const std::string& uri, Point low, Point high) {
@@ -237,27 +235,28 @@ void Figure::walls(std::span<const Wall> walls) {
   for (const Wall& wall : walls) {
     const double high = wall.part ? place_y(wall.part->begin) : top,
                  low = wall.part ? place_y(wall.part->end) : height_ - below;
-    const double x = place_x(wall.at), far = x + (wall.to_the_right ? depth : -depth);
+    const double far = wall.to_the_right ? depth : -depth;
     std::string hatches;
-    for (double y = high + depth; y <= low; y += pitch)
-      fmt::format_to(std::back_inserter(hatches), "M{:.2f} {:.2f}L{:.2f} {:.2f}", std::min(x, far), y, std::max(x, far),
+    for (double y = depth; y <= low - high; y += pitch)
+      fmt::format_to(std::back_inserter(hatches), "M{} {:.2f}L{} {:.2f}", std::min(0.0, far), y, std::max(0.0, far),
                      y - depth);
-    content_ += fmt::format("<path class=\"hatch\" d=\"{}\"/><path class=\"surface\"{} d=\"M{:.2f} {}V{}\"/>\n",
-                            hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", x, high, low);
-    if (!wall.part)
-      live_layer(
-          fmt::format(R"({{"kind":"wall","x":{:.9g},"right":{},"open":{}}})", wall.at, wall.to_the_right, wall.open));
+    content_ += fmt::format(
+        "<g class=\"fixed\" transform=\"translate({:.2f} {:.2f})\"><path class=\"hatch\" d=\"{}\"/>"
+        "<path class=\"surface\"{} d=\"M0 0V{:.2f}\"/></g>\n",
+        place_x(wall.at), high, hatches, wall.open ? " style=\"stroke-dasharray:5 4\"" : "", low - high);
   }
 }
 
-void Figure::colour_bar(const ColourMap& map, const Axis& values) {
+void Figure::colour_bar(const ColourMap& map, const Axis& values, std::string_view symbol) {
   const double bar = right + 20, bottom = height_ - below - 44, length = bottom - top;
   std::vector<ColourStop> stops;
   for (std::size_t i = 0; i < map.anchors.size(); ++i)
     stops.push_back({static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), map.anchors[i]});
   const std::string fill = gradient(stops, R"( x1="0" y1="1" x2="0" y2="0")");
-  legend_ += fmt::format("<rect class=\"frame\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/>\n",
-                         fill, bar, top, length);
+  legend_ += fmt::format(
+      "<g class=\"scale\" data-name=\"{}\" data-low=\"{:.9g}\" data-high=\"{:.9g}\">"
+      "<rect class=\"frame\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/></g>\n",
+      symbol, values.low, values.high, fill, bar, top, length);
   const Ticks marks = ticks(values, 6);
   for (const Tick& tick : marks.ticks) {
     const double y = bottom - values.position(tick.value) * length;
@@ -271,27 +270,33 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values) {
   legend_y_ = bottom + 22;
 }
 
-void Figure::legend_box(const std::string& colour, std::string_view text, std::string_view kind) {
-  legend_ += fmt::format("<rect class=\"{}\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"20\" height=\"10\"/>", kind,
-                         colour, right + 14, legend_y_ - 5);
-  legend_text(text);
+void Figure::legend_box(const std::string& colour, std::string_view text) {
+  legend_key(fmt::format("<path style=\"fill:{}\" d=\"M0 -5h20v10h-20z\"/>", colour), text, "");
 }
 
-void Figure::legend_note(std::string_view text) {
-  live_layer(fmt::format(R"({{"kind":"note","text":{}}})", json_string(text)));
-  legend_text(text, 14.0);
-}
+void Figure::legend_note(std::string_view text) { legend_key("", text, "", 0.0); }
 
 void Figure::legend_line(const Style& style, std::string_view text) {
   if (text.empty()) return;
-  legend_ += fmt::format("<path class=\"line\" style=\"stroke:{};stroke-width:{}{}\" d=\"M{} {}h20\"/>", style.colour,
-                         std::max(1.6, style.width), dash_css(style), right + 14, legend_y_);
-  legend_text(text);
+  legend_key(fmt::format("<path class=\"line\" style=\"{}\" d=\"M0 0h20\"/>",
+                         stroke_css(style, std::clamp(style.width, 1.6, 7.0))),
+             text, fmt::format(" data-key=\"{}\"", escaped(text)));
 }
 
-void Figure::legend_text(std::string_view text, double indent) {
-  legend_ += fmt::format("<text x=\"{}\" y=\"{}\" dy=\".35em\">{}</text>\n", right + indent, legend_y_, escaped(text));
+void Figure::legend_key(std::string_view mark, std::string_view text, std::string_view key, double indent) {
+  legend_ +=
+      fmt::format("<g class=\"key\" transform=\"translate({} {})\"{}>{}<text x=\"{}\" dy=\".35em\">{}</text></g>\n",
+                  right + 14, legend_y_, key, mark, indent, escaped(text));
   legend_y_ += legend_pitch;
+}
+
+void Figure::begin_still() {
+  content_ += "<g class=\"still\">\n";
+  legend_ += "<g class=\"still\">\n";
+}
+void Figure::end_still() {
+  content_ += "</g>\n";
+  legend_ += "</g>\n";
 }
 
 std::string Figure::svg(std::string_view title) const {
@@ -314,24 +319,21 @@ std::string Figure::svg(std::string_view title) const {
   const std::string frame =
       fmt::format("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"", left, top, right - left, bottom - top);
   return named_after(
-      joined({fmt::format("<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n"
-                          "<path class=\"grid\" d=\"{3}\"/>\n<svg {4} viewBox=\"{5} {6} {7} {8}\">\n",
-                          width, height_, escaped(title), grid, frame, left, top, right - left, bottom - top),
+      joined({fmt::format(
+                  "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\" data-x=\"{3}\" data-y=\"{4}\"{5}>\n"
+                  "<path class=\"grid\" d=\"{6}\"/>\n<svg {7} viewBox=\"{8} {9} {10} {11}\">\n",
+                  width, height_, escaped(title), escaped(json(x_)), escaped(json(y_)),
+                  live_height_ ? fmt::format(" data-height=\"{}\"", *live_height_) : "", grid, frame, left, top,
+                  right - left, bottom - top),
               content_, "</svg>\n",
               fmt::format("<rect class=\"frame\" {0}/>\n{1}\n"
                           "<text class=\"axis\" x=\"{2}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n"
                           "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{5}\" y=\"16\" "
-                          "text-anchor=\"middle\">{6}</text>\n",
+                          "text-anchor=\"middle\">{6}</text>\n<g class=\"legend\">\n",
                           frame, axes, (left + right) / 2, height_ - 8, escaped(x_.label) + factor(along),
                           -(top + bottom) / 2, escaped(y_.label) + factor(up)),
-              legend_, "</svg>\n"}),
+              legend_, "</g>\n</svg>\n"}),
       title);
-}
-
-std::string Figure::live(std::string_view title) const {
-  return joined({fmt::format("{{\"title\":{},\"height\":{},\"x\":{},\"y\":{},\"layers\":[\n", json_string(title),
-                             height_, json(x_), json(y_)),
-                 layers_, "]}"});
 }
 
 std::string Figure::file(std::string_view title) const {
@@ -351,8 +353,10 @@ svg .axis { font-size: 14px; fill: var(--soft); }
 svg .note { font-size: 12px; fill: var(--soft); }
 svg .grid { stroke: var(--faint); fill: none; }
 svg .frame { stroke: var(--soft); fill: none; }
-svg .line { fill: none; stroke-linejoin: round; stroke-linecap: butt; }
-svg .band { opacity: .2; stroke: none; }
+svg .line, svg .level, svg .upright { fill: none; stroke-linejoin: round; stroke-linecap: butt; }
+svg .band { opacity: .2; stroke-width: 1; }
+svg .bar { stroke-width: .75; }
+svg .area { fill: var(--faint); opacity: .7; }
 svg .body { fill: var(--soft); opacity: .25; }
 svg .solid { stroke: var(--ink); stroke-width: 1; }
 svg .hatch { stroke: var(--soft); stroke-width: 1; fill: none; }

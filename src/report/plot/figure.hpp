@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,12 +21,20 @@ struct Style {
   std::size_t shape = 0;  ///< tells series apart without colour: dashes of a line, outline of a marker; 0: plain, round
 };
 
+/// SVG of the alternatives for Style::shape: dashes of a line ("" for none), and markers around the origin, as paths.
+std::span<const std::string_view> dash_shapes();
+std::span<const std::string_view> marker_shapes();
+
 /// Height of a figure of bars() on a bare y axis from rows - 1/2 down to -1/2: each bar stands beside its legend.
 double height_of_bars(std::size_t rows);
 
-/// A picture with two axes, as SVG and as the data from which the script of a page draws it anew (src/report/web/).
-/// Curves added first lie below. The legend stands right of the frame, whose place is the same in every figure of one
-/// width, so that figures below each other share their axis.
+/// A picture with two axes, as SVG. Curves added first lie below. The legend stands right of the frame, whose place is
+/// the same in every figure of one width, so that figures below each other share their axis.
+///
+/// On a page a script zooms it (src/report/web/chart.js), by these marks in it: `data-x` and `data-y` hold the axes;
+/// the frame is an SVG of its own, a view into what is drawn; `data-key` names the line of the legend with which an
+/// element is hidden; a .fixed element keeps its size; markers tell their point in `data-at`, levels their height in
+/// `data-level`.
 class Figure {
  public:
   Figure(Axis x, Axis y, double height = 260.0);
@@ -36,6 +45,8 @@ class Figure {
   void level(double y, const Style& style, std::string_view legend = {});
   /// A solid body below y over the part of x, or above it.
   void body(double y, Interval part, bool above = false);
+  /// The area between two lines over the same x, the upper one lifted by some pixels.
+  void area(std::span<const Point> lower, std::span<const Point> upper, double lift);
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {},
                std::size_t shape = 0);
@@ -62,36 +73,42 @@ class Figure {
   void walls(std::span<const Wall> walls);
   /// An image over the rectangle between two corners of the frame's coordinates.
   void image(const std::string& uri, Point low, Point high);
-  /// A colour bar in place of a legend.
-  void colour_bar(const ColourMap& map, const Axis& values);
+  /// A colour bar in place of a legend; `symbol` is what its values are called.
+  void colour_bar(const ColourMap& map, const Axis& values, std::string_view symbol);
   /// A line of the legend that stands for nothing drawn by line().
-  void legend_box(const std::string& colour, std::string_view text, std::string_view kind = "");
-
+  void legend_box(const std::string& colour, std::string_view text);
   /// A line of the legend without a mark.
   void legend_note(std::string_view text);
-  /// A layer that only the script draws: a JSON object with its "kind".
-  void live_layer(const std::string& json) { (layers_ += layers_.empty() ? "" : ",\n") += json; }
+
+  /// From here on, until that is over, for readers without the page's script, which draws the same in motion.
+  void begin_still();
+  void end_still();
+  /// How high the picture is where the script draws it.
+  void set_live_height(double height) { live_height_ = height; }
 
   /// Inline SVG, whose colours are variables of the page. @param title read out in place of the picture
   std::string svg(std::string_view title) const;
   /// An SVG file of its own, in light colours, with its fonts named.
   std::string file(std::string_view title) const;
-  /// The picture as a JSON object: {"title", "height", "x", "y", "layers": [{"kind", ...}, ...]}.
-  std::string live(std::string_view title) const;
 
  private:
   double place_x(double value) const;
   double place_y(double value) const;
-  /// An SVG path of boxes over the parts in view, none shorter than `least`.
-  std::string boxes(std::span<const Interval> parts, double top, double height, double least) const;
-  void stroke(std::span<const Point> points, const Style& style);
+  /// An SVG path through points; absent where none is finite.
+  std::string path(std::span<const Point> points) const;
+  std::string boxes(std::span<const Interval> parts, double top, double height) const;
+  /// The attribute that names the line of the legend: a line without a text belongs to the last one of its colour.
+  std::string key(const std::string& colour, std::string_view legend);
+  void stroke(std::span<const Point> points, const Style& style, std::string_view attributes);
   void legend_line(const Style& style, std::string_view text);
-  void legend_text(std::string_view text, double indent = 41.0);
+  void legend_key(std::string_view mark, std::string_view text, std::string_view key, double indent = 27.0);
   std::string gradient(std::span<const ColourStop> stops, std::string_view direction);
 
   Axis x_, y_;
   double height_;
-  std::string content_, legend_, layers_;
+  std::optional<double> live_height_;
+  std::string content_, legend_;
+  std::map<std::string, std::string> keys_;  // of the last line of the legend in a colour
   double legend_y_;
   std::size_t gradients_ = 0;
 };

@@ -18,27 +18,6 @@ std::string norm(const PrecisionResult& result) {
       result.times, result.every);
 }
 
-Json to_json(const PrecisionResult& result, const PrecisionRow& row) {
-  const bool failed = !row.failure.empty();
-  const ErrorParts& parts = result.parts_of(row);
-  Json json = {{"method", name(row.method)},
-               {"label", row.label},
-               {"error", row.error},
-               {"seconds", failed ? Json(nullptr) : Json(row.seconds)},
-               {"steps", failed ? Json(nullptr) : Json(row.steps)},
-               {"runs", row.runs},
-               {"elements", row.elements},
-               {"mass", name(row.mass)}};
-  if (is_adaptive(row.method)) json["tolerance"] = row.setting;
-  if (is_scheme(row.method)) json["step"] = row.setting;
-  json["space"] = parts.space;
-  json["penalty"] = parts.penalty;
-  json["time"] = row.time_error;
-  json["largest_part"] = text_or_null(largest_part(result, row));
-  json["failure"] = text_or_null(row.failure);
-  return json;
-}
-
 Json to_json(const PrecisionResult& result, const ErrorParts& parts) {
   return {{"method", name(parts.method)},
           {"elements", parts.elements},
@@ -101,7 +80,8 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["reference"] = to_json(result);
   json["epsilon"] = study.scene.epsilon;
   json["rows"] = Json::array();
-  for (const PrecisionRow& row : result.rows) json["rows"].push_back(to_json(result, row));
+  const auto columns = precision_columns(result);
+  for (const PrecisionRow& row : result.rows) json["rows"].push_back(json_of(columns, row));
   json["parts"] = Json::array();
   for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts));
   json["left_out"] = Json::array();
@@ -116,6 +96,8 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["platform"] = versions().platform;
   return json_text(json);
 }
+
+std::string precision_csv(const PrecisionResult& result) { return csv_of(precision_columns(result), result.rows); }
 
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
   std::string out = text(precision_table(result, plain_number)) + "\n";

@@ -16,7 +16,7 @@ std::string measured(const std::optional<double>& error, double reference_error,
   return resolved(*error, reference_error) ? number(*error) : fmt::format("<{}", number(*error + reference_error));
 }
 
-std::string part(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
+std::string part_text(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
 
 /// The time error of a scheme that has stopped falling over the last halvings of its step.
 std::optional<double> stagnation(const PrecisionResult& result, const ErrorParts& parts) {
@@ -59,34 +59,52 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
   return penalty > *parts.space ? "penalty" : "space";
 }
 
+std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& result) {
+  using Row = PrecisionRow;
+  const auto part = [&](const char* key, std::optional<double> ErrorParts::*member) -> Column<Row> {
+    return {key, key, [&result, member](const Row& row) { return cell(result.parts_of(row).*member); },
+            [&result, member](const Row& row, NumberText number) {
+              return part_text(result.parts_of(row).*member, number);
+            }};
+  };
+  const auto unless_failed = [](const Row& row, auto value) { return row.failure.empty() ? cell(value) : Cell(); };
+  const double reference_error = result.reference ? result.reference->error : 0.0;
+  return {
+      {"method", "method", [](const Row& row) { return cell(name(row.method)); }},
+      {"label", "setting", [](const Row& row) { return cell(row.label); },
+       [](const Row& row, NumberText number) {
+         return row.setting > 0.0 ? fmt::format("{} {}", setting_word(row.method), number(row.setting)) : row.label;
+       }},
+      {"error", "error (max)", [](const Row& row) { return cell(row.error); },
+       [=](const Row& row, NumberText number) { return measured(row.error, reference_error, number); }},
+      {"seconds", "seconds", [=](const Row& row) { return unless_failed(row, row.seconds); }},
+      {"steps", "steps", [=](const Row& row) { return unless_failed(row, row.steps); }},
+      column("runs", "runs", &Row::runs),
+      column("elements", "elements", &Row::elements),
+      {"mass", "mass", [](const Row& row) { return cell(name(row.mass)); }},
+      {"tolerance", "", [](const Row& row) { return is_adaptive(row.method) ? cell(row.setting) : Cell(); }, {}, true},
+      {"step", "", [](const Row& row) { return is_scheme(row.method) ? cell(row.setting) : Cell(); }, {}, true},
+      part("space", &ErrorParts::space),
+      part("penalty", &ErrorParts::penalty),
+      {"time", "time", [](const Row& row) { return cell(row.time_error); },
+       [&result](const Row& row, NumberText number) {
+         return measured(row.time_error, result.parts_of(row).time_reference_error, number);
+       }},
+      {"largest_part", "largest part", [&result](const Row& row) { return cell(largest_part(result, row)); }},
+      column("failure", "", &Row::failure)};
+}
+
 Table precision_table(const PrecisionResult& result, NumberText number) {
   const bool penalised =
       std::ranges::any_of(result.parts, [](const ErrorParts& parts) { return parts.penalty.has_value(); });
   const bool several = meshes_in(result).size() > 1;
-  Table table{{"method"}, several ? 3U : 2U, {}};
-  if (several) table.header.emplace_back("elements");
-  table.header.insert(table.header.end(), {"setting", "seconds", "steps", "error (max)", "space"});
-  if (penalised) table.header.emplace_back("penalty");
-  table.header.insert(table.header.end(), {"time", "largest part"});
-  const double reference_error = result.reference ? result.reference->error : 0.0;
-  for (const PrecisionRow& row : result.rows) {
-    std::vector<std::string> cells = {std::string(name(row.method))};
-    if (several) cells.push_back(fmt::format("{}", row.elements));
-    cells.push_back(row.setting > 0.0 ? fmt::format("{} {}", setting_word(row.method), number(row.setting))
-                                      : row.label);
-    if (!row.failure.empty()) {
-      cells.emplace_back("failed");
-      table.rows.push_back(std::move(cells));
-      continue;
-    }
-    const ErrorParts& parts = result.parts_of(row);
-    cells.insert(cells.end(), {number(row.seconds), fmt::format("{}", row.steps),
-                               measured(row.error, reference_error, number), part(parts.space, number)});
-    if (penalised) cells.push_back(part(parts.penalty, number));
-    cells.insert(cells.end(),
-                 {measured(row.time_error, parts.time_reference_error, number), largest_part(result, row)});
-    table.rows.push_back(std::move(cells));
-  }
+  std::vector<std::string_view> keys = {"method", "elements", "label",   "seconds", "steps",
+                                        "error",  "space",    "penalty", "time",    "largest_part"};
+  if (!several) std::erase(keys, "elements");
+  if (!penalised) std::erase(keys, "penalty");
+  Table table = table_of(pick(precision_columns(result), keys), result.rows, number, several ? 3 : 2);
+  for (std::size_t i = 0; i < result.rows.size(); ++i)
+    if (!result.rows[i].failure.empty()) end_row(table, i, "failed");
   return table;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "report/columns.hpp"
 #include "report/page.hpp"
 #include "text/table.hpp"
 #include "viscobar/studies/precision/precision.hpp"
@@ -26,6 +27,8 @@ std::optional<double> resolved_time_error(const PrecisionResult& result, const P
 /// space, penalty or time: the largest part of the row's error; empty where they are not known or not told apart.
 std::string largest_part(const PrecisionResult& result, const PrecisionRow& row);
 
+/// The columns of precision.json and precision.csv, of which the table takes its own. They refer to the result.
+std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& result);
 Table precision_table(const PrecisionResult& result, NumberText number);
 
 /// In the order of the rows.

@@ -28,6 +28,12 @@ Place locate(const Values& values, std::size_t count, double at, std::size_t fro
   return {i, std::clamp((at - values(i)) / (values(i + 1) - values(i)), 0.0, 1.0)};
 }
 
+/// Pixels for values along an axis: so many for each that they are fine enough, with colours that are straight lines in
+/// between, and no more than a screen shows.
+std::size_t pixels_of(std::size_t values, std::size_t enough, std::size_t most) {
+  return std::min(most, values * ((enough + values - 1) / values));
+}
+
 }  // namespace
 
 FieldColours colours_of(const ThinnedField& field, const std::string& label) {
@@ -52,8 +58,8 @@ plot::Axis time_axis(const ThinnedField& field, const Units& units) {
 }
 
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours_of_field,
-                        const std::string& layer) {
-  constexpr std::size_t width = 480, height = 300;
+                        std::string_view symbol) {
+  const std::size_t width = pixels_of(field.rows(), 200, 480), height = pixels_of(field.x().size(), 150, 300);
   constexpr int colours = 255, touching = 255;
   const auto& [map, values, range, contact_up_to, contact_from] = colours_of_field;
   std::array<plot::Colour, 256> palette{};
@@ -64,9 +70,9 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
   const double length = run.scene.bar.length;
   std::vector<Place> in_time(width);
   for (std::size_t i = 0; i < width; ++i)
-    in_time[i] =
-        locate([&](std::size_t k) { return field.time(k); }, field.rows(),
-               mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / width), i == 0 ? 0 : in_time[i - 1].index);
+    in_time[i] = locate([&](std::size_t k) { return field.time(k); }, field.rows(),
+                        mixed(time.low, time.high, (static_cast<double>(i) + 0.5) / static_cast<double>(width)),
+                        i == 0 ? 0 : in_time[i - 1].index);
   // Two neighbouring nodes at the times of the pixels: what lies between them is arithmetic on whole rows of pixels.
   std::vector<double> of_node(field.rows());
   const auto at_node = [&](std::size_t node, std::vector<double>& over_time) {
@@ -81,7 +87,7 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
   Place in_space{0, 0.0};
   for (std::size_t j = 0; j < height; ++j) {
     in_space = locate([&](std::size_t k) { return field.x()[k]; }, field.x().size(),
-                      length * (static_cast<double>(j) + 0.5) / height, in_space.index);
+                      length * (static_cast<double>(j) + 0.5) / static_cast<double>(height), in_space.index);
     while (node < in_space.index) {
       left.swap(right);
       at_node(++node + 1, right);
@@ -100,10 +106,9 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
       .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
-  figure.colour_bar(map, values);
+  figure.colour_bar(map, values, symbol);
   if (std::ranges::find(pixels, touching) != pixels.end())
     figure.legend_box(plot::hex(palette[touching]), "in contact");
-  figure.live_layer(fmt::format(R"({{"kind":"{}"}})", layer));
   return figure;
 }
 

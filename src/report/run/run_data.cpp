@@ -28,6 +28,16 @@ plot::Range ThinnedField::range() const {
   return range;
 }
 
+std::pair<std::vector<double>, std::vector<double>> ThinnedField::envelope() const {
+  std::vector<double> low(row(0).begin(), row(0).end()), high = low;
+  for (std::size_t k = 1; k < rows(); ++k) {
+    const std::span<const double> values = row(k);
+    std::ranges::transform(low, values, low.begin(), [](double a, double b) { return b < a ? b : a; });
+    std::ranges::transform(high, values, high.begin(), [](double a, double b) { return b > a ? b : a; });
+  }
+  return {low, high};
+}
+
 ReportData::ReportData(const Case& run, const BarSystem& system)
     : field(system.mesh()),
       stress(system.mesh(), ThinnedField::At::elements),

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "dynamics/gauge.hpp"
@@ -39,6 +40,8 @@ class ThinnedField {
   std::span<const double> row(std::size_t row) const { return at(row).values; }
   const std::vector<double>& x() const { return x_; }
   plot::Range range() const;
+  /// Its least and its greatest value at each place.
+  std::pair<std::vector<double>, std::vector<double>> envelope() const;
 
   std::size_t time_stride() const { return kept_.stride(); }
   std::size_t node_stride() const { return node_stride_; }

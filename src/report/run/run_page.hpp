@@ -37,9 +37,9 @@ FieldColours colours_of(const ThinnedField& field, const std::string& label);
 /// The time of a page's pictures.
 plot::Axis time_axis(const ThinnedField& field, const Units& units);
 
-/// A field over time, to the right, and space, upwards. `layer` is what the script draws.
+/// A field over time, to the right, and space, upwards; `symbol` is what its values are called.
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours,
-                        const std::string& layer);
+                        std::string_view symbol);
 
 /// What a caption says of the scale, and of what the picture was drawn from: `what` are the values of a row.
 std::string map_remark(const Case& run, const ThinnedField& field, const FieldColours& colours, const char* what);

@@ -38,80 +38,73 @@ Picture displacement_map(const Case& run, const ReportData& data, const FieldCol
   return {"Displacement over space and time",
           "Displacement <i>u</i>(<i>x</i>, <i>t</i>)." + map_remark(run, data.field, colours, "node"),
           {{"displacement", "Displacement over time and space as a colour map",
-            map_figure(run, data.field, colours, "map")}}};
+            map_figure(run, data.field, colours, "u")}}};
 }
 
 Picture profiles(const Case& run, const ReportData& data) {
   const ThinnedField& field = data.field;
-  const double length = run.scene.bar.length;
-  const std::vector<std::size_t> rows = rows_of_few_times(field, 6);
-  Range of_few;
-  for (const std::size_t row : rows) of_few.add(field.row(row));
-  const double depth = 0.03 * length;
+  const double length = run.scene.bar.length, depth = 0.03 * length;
   const Axis position{
       .label = displacement_label(run, "position x"), .low = -depth, .high = length + depth, .link = "x"};
 
   // The obstacles, and what is said of those that lie outside.
+  Range range = field.range();
   std::string hidden;
-  bool has_bodies = false, has_drawn = false;
-  const auto with_obstacles = [&](Range range, double height, double room_below) {
-    std::vector<std::pair<ObstacleLevel, Interval>> bodies;
-    hidden.clear();
-    bool moves = false;
-    const auto place = [&](const std::vector<ObstacleLevel>& levels, Interval part, const std::string& where) {
-      for (const ObstacleLevel& level : levels)
-        if (range.reach(level.u))
-          bodies.push_back({level, part});
-        else
-          hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
-    };
-    for (const SceneEnd& end : ends_of(run.scene)) {
-      const std::string where = fmt::format("at the {} end", end.name);
-      Range way;
-      way.add(end.surface(field.times()));
-      if (!(way.low <= way.high)) {
-        place(levels_of(end.obstacle()), {end.x - depth, end.x + depth}, where);
-        continue;
-      }
-      Range with_it = range;
-      const bool near = with_it.reach(way.low) && with_it.reach(way.high);
-      if (near) range = with_it, moves = true;
-      hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
-                            readable(way.low), readable(way.high));
-    }
-    place(levels_of(run.scene.span), {-depth, length + depth}, "of the span");
-    has_drawn = !bodies.empty();
-    has_bodies = moves || has_drawn;
-    const double room = room_below * (range.high - range.low), low = range.low, high = range.high;
-    const auto any = [&](bool above) {
-      return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
-    };
-    if (moves || any(false)) range.add(low - room);
-    if (moves || any(true)) range.add(high + room);
-    Figure figure(position, range.axis(displacement_label(run, "displacement u")), height);
-    for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
-    return figure;
+  std::vector<std::pair<ObstacleLevel, Interval>> bodies;
+  bool moves = false;
+  const auto place = [&](const std::vector<ObstacleLevel>& levels, Interval part, const std::string& where) {
+    for (const ObstacleLevel& level : levels)
+      if (range.reach(level.u))
+        bodies.push_back({level, part});
+      else
+        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
   };
+  for (const SceneEnd& end : ends_of(run.scene)) {
+    const std::string where = fmt::format("at the {} end", end.name);
+    Range way;
+    way.add(end.surface(field.times()));
+    if (!(way.low <= way.high)) {
+      place(levels_of(end.obstacle()), {end.x - depth, end.x + depth}, where);
+      continue;
+    }
+    Range with_it = range;
+    const bool near = with_it.reach(way.low) && with_it.reach(way.high);
+    if (near) range = with_it, moves = true;
+    hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
+                          readable(way.low), readable(way.high));
+  }
+  place(levels_of(run.scene.span), {-depth, length + depth}, "of the span");
+  // Room for what the script says of gap and reaction on the far side of the obstacles.
+  const double room = 0.2 * (range.high - range.low), low = range.low, high = range.high;
+  const auto any = [&](bool above) {
+    return std::ranges::any_of(bodies, [&](const auto& body) { return body.first.above == above; });
+  };
+  if (moves || any(false)) range.add(low - room);
+  if (moves || any(true)) range.add(high + room);
 
-  Figure live = with_obstacles(field.range(), 340.0, 0.2);  // for gap and reaction below the obstacles
-  live.live_layer(R"({"kind":"bar"})");
-  const std::string live_caption = fmt::format(
-      "The bar at the time of the slider, its displacement drawn upwards and coloured as in its map; shaded: where it "
-      "has been and will be.{}{}",
-      has_bodies ? " Hatched: obstacles, with the gap left and the reaction while in contact." : "", hidden);
-
-  Figure figure = with_obstacles(of_few, 320.0, 0.0);
+  Figure figure(position, range.axis(displacement_label(run, "displacement u")), 340.0);
+  const auto [lowest, highest] = field.envelope();
+  constexpr double thickness = 9.0;  // of the bar that the script draws
+  figure.area(plot::points_of(field.x(), lowest), plot::points_of(field.x(), highest), thickness);
+  for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
+  const std::vector<std::size_t> rows = rows_of_few_times(field, 6);
+  figure.begin_still();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
     figure.line(plot::points_of(field.x(), field.row(rows[k])), {plot::sequence_colour(part), false, 1.8},
                 "t = " + readable(field.time(rows[k])));
   }
-  return {
-      "The bar",
-      fmt::format("<span class=\"still\">The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the first "
-                  "(light) to the last (dark).{}{}</span><span class=\"live\">{}</span>",
-                  has_drawn ? " Grey: obstacles." : "", hidden, live_caption),
-      {{"bar", "Displacement over space at a few times", figure, live}}};
+  figure.end_still();
+  return {"The bar",
+          fmt::format(
+              "<span class=\"still\">The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the "
+              "first (light) to the last (dark).{0}</span><span class=\"live\">The bar at the time of the "
+              "slider, its displacement drawn upwards and coloured as in its map.{1}</span> Shaded: where it "
+              "is during the run.{2}",
+              bodies.empty() ? "" : " Grey: obstacles.",
+              bodies.empty() && !moves ? "" : " Grey: obstacles, with the gap left and the reaction while in contact.",
+              hidden),
+          {{"bar", "Displacement over space at a few times", figure}}};
 }
 
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data) {

@@ -65,13 +65,12 @@ std::string field_json(const ThinnedField& field, const FieldColours& colours) {
   for (const plot::Colour colour : colours.map.anchors)
     anchors += fmt::format("{}\"{}\"", anchors.empty() ? "" : ",", plot::hex(colour));
   std::string level;
-  if (std::isfinite(colours.contact_up_to)) level += fmt::format(R"(,"contactLevel":{:.9g})", colours.contact_up_to);
+  if (std::isfinite(colours.contact_up_to)) level += fmt::format(R"(,"contactUpTo":{:.9g})", colours.contact_up_to);
   if (std::isfinite(colours.contact_from)) level += fmt::format(R"(,"contactFrom":{:.9g})", colours.contact_from);
   return joined({fmt::format(R"({{"everyTime":{},"everyNode":{},"low":{:.9g},"high":{:.9g},"t":{},"x":{},)"
-                             R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g},"touching":"{}"{}}},"u":")",
+                             R"("colours":{{"anchors":[{}],"low":{:.9g},"high":{:.9g}{}}},"u":")",
                              field.time_stride(), field.node_stride(), range.low, range.high, numbers(field.times()),
-                             numbers(field.x()), anchors, colours.values.low, colours.values.high,
-                             plot::hex(FieldColours::touching), level),
+                             numbers(field.x()), anchors, colours.values.low, colours.values.high, level),
                  plot::base64(bytes), "\"}"});
 }
 

@@ -71,11 +71,10 @@ Picture stress_map(const Case& run, const BarSystem& system, const Outcome& outc
   if (ends.low < colours.range.low || ends.high > colours.range.high)
     beyond = fmt::format(" Between the output times the stress of the ends came to {}, beyond the scale.",
                          readable(ends.low < colours.range.low ? ends.low : ends.high, 3));
-  return {
-      "Stress over space and time",
-      fmt::format("Mean stress <i>s</i> = {} of each element at the output times; tension is positive.{}{}", formula,
-                  beyond, map_remark(run, data.stress, colours, "element")),
-      {{"stress", "Stress over time and space as a colour map", map_figure(run, data.stress, colours, "stress-map")}}};
+  return {"Stress over space and time",
+          fmt::format("Mean stress <i>s</i> = {} of each element at the output times; tension is positive.{}{}",
+                      formula, beyond, map_remark(run, data.stress, colours, "element")),
+          {{"stress", "Stress over time and space as a colour map", map_figure(run, data.stress, colours, "s")}}};
 }
 
 Picture end_tractions(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
@@ -164,6 +163,7 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
     const double part = (x - nodes[j - 1]) / (nodes[j] - nodes[j - 1]);
     return x + s * (u[j - 1] + part * (u[j] - u[j - 1]));
   };
+  figure.begin_still();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::vector<Figure::ColourStop> stops;
     const auto values = stress.row(rows[k]);
@@ -178,11 +178,9 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
       figure.walls(std::span(&wall, 1));
     }
   }
+  figure.end_still();
   figure.walls(walls);
-  figure.live_layer(R"({"kind":"axial"})");
-  Figure live(place, {.label = "", .low = 0.0, .high = 1.0, .bare = true}, 150.0);
-  live.walls(walls);
-  live.live_layer(R"({"kind":"axial"})");
+  figure.set_live_height(150.0);
   const std::string said = s == 1.0  ? "Displacements are drawn as they are."
                            : s < 1.0 ? fmt::format("Displacements are drawn {} times smaller.", readable(1.0 / s))
                                      : fmt::format("Displacements are magnified by {}.", readable(s));
@@ -196,7 +194,7 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
                       "stress. {0}{1}{2}</span><span class=\"live\">The bar along its axis at the time of the "
                       "slider, coloured by the stress. {0}{1}{2}</span>",
                       said, hatched, hidden),
-          {{"axial", "The bar along its axis, coloured by its stress", figure, live}}};
+          {{"axial", "The bar along its axis, coloured by its stress", figure}}};
 }
 
 }  // namespace viscobar

@@ -10,9 +10,12 @@ const element = (tag, attributes = {}, ...children) => {
 /// The same of a picture.
 function svgElement(name, attributes = {}, ...children) {
   const node = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  setAttributes(node, attributes);
   node.append(...children);
   return node;
+}
+function setAttributes(node, attributes) {
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
 }
 
 /// A table: names of the columns, and for each row its cells and what a click on it does. `kinds` are classes of the cells.
@@ -48,6 +51,11 @@ function iconButton(name, label, action) {
   const button = element("button", { type: "button", ariaLabel: label, title: label }, icon(name));
   button.addEventListener("click", action);
   return button;
+}
+
+function toggleTheme() {
+  const { dataset } = document.documentElement, dark = dataset.theme ? dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  dataset.theme = dark ? "light" : "dark";
 }
 
 /// Buttons that zoom shared axes, show the whole again, and turn light to dark.

@@ -1,234 +1,223 @@
-// One picture, drawn by uPlot from its layers, which zooms, pans and points together with those that share its axes.
+// A picture of the page, as the program drew it, to zoom and to point at together with those that share its axes. The
+// frame of the SVG is a view into what is drawn, so zooming is another view; axes are drawn anew for it.
 
 class Chart {
-  static leftAxis = 88;
+  static margin = { left: 80, right: 14, top: 12, bottom: 46 };
+  static narrow = { left: 64, right: 8, top: 12, bottom: 46 };
 
-  /// @param figure what plot::Figure::live() wrote @param links Link by name @param special painters of layers that are not
-  /// in layerPainters @param dragY whether dragging upwards zooms, too
-  constructor(host, name, figure, links, { special = {}, dragY = false, height = figure.height } = {}) {
-    Object.assign(this, { host, name, figure, links, special, height });
-    this.overlays = [];  // functions (chart, context), painted last
+  /// @param panel holds the SVG, which stays as it is for print @param links Link by name @param dragY whether dragging upwards
+  /// zooms, too
+  constructor(panel, links, dragY) {
+    const still = panel.querySelector("svg"), svg = still.cloneNode(true), json = (name) => JSON.parse(still.dataset[name]);
+    Object.assign(this, { svg, dragY, name: panel.dataset.picture, title: still.ariaLabel, x: json("x"), y: json("y") });
+    svg.querySelectorAll(".still").forEach((node) => node.remove());
+    [this.inner, this.legend] = [svg.querySelector("svg"), svg.querySelector(".legend")];
+    this.overlay = svgElement("svg");
+    this.axes = { grid: svgElement("g"), edge: svgElement("g") };
+    svg.replaceChildren(this.axes.grid, this.inner, this.axes.edge, this.overlay);
+    const [left, top, width, height] = this.inner.getAttribute("viewBox").split(" ").map(Number);
+    this.height = Number(still.dataset.height ?? still.viewBox.baseVal.height);
+    this.tall = this.height - Chart.margin.top - Chart.margin.bottom;
+    this.drawn = { left, top, width, height, x: new Scale(this.x, left, left + width), y: new Scale(this.y, top + height, top) };
+    // One that is lower than it was drawn shows the top of it.
+    if (this.y.bare) this.y.low = this.drawn.y.value(top + this.tall);
+    this.link = { x: this.linkOf(this.x, links), y: this.linkOf(this.y, links) };
+    this.overTime = this.x.link === "t";
+    this.fixed = [...this.inner.querySelectorAll(".fixed")].map((node) => [node, ...node.getAttribute("transform").match(/[\d.-]+/g)]);
+    this.curves = [...this.inner.querySelectorAll("path.line[d^=M]")].map((node) => new Curve(node));
     this.hidden = new Set();
-    this.lines = figure.layers.filter(({ kind }) => kind === "line");
-    this.curves = this.lines.map((line) => new Curve(line));
-    this.groups = groupsOf(figure.layers);
-    this.link = { x: this.linkOf(figure.x), y: this.linkOf(figure.y) };
-    this.isSeries = this.lines.length > 0 && !figure.y.log && figure.x.link === "t";
-    this.plot = new uPlot(this.options(dragY), this.data(), host);
-    this.addCursor();
+    this.painters = [];  // functions of the chart, called whenever the view is another
+    this.over = element("div", { className: "over" });
+    this.select = element("div", { className: "select", hidden: true });
+    this.cursor = { x: element("div", { className: "cursor-x" }), y: element("div", { className: "cursor-y" }) };
+    this.over.append(this.select, this.cursor.x, this.cursor.y);
+    this.host = element("div", { className: "chart", tabIndex: 0, role: "group" }, svg, this.over);
+    panel.append(element("div", { className: "live" }, this.host));
+    this.layout();
     this.listen();
   }
 
-  linkOf(axis) {
-    const link = (axis.link && this.links[axis.link]) || new Link(Boolean(axis.log));
+  linkOf(axis, links) {
+    const link = links[axis.link] ?? new Link(Boolean(axis.log));
     link.include(Math.min(axis.low, axis.high), Math.max(axis.low, axis.high));
     return link;
   }
 
-  data() {
-    const { x } = this.figure;
-    return [null, ...this.lines.map((line) => [line.x, line.y]), [[x.low, x.high], [null, null]]];
+  /// Takes the width that there is.
+  layout() {
+    const whole = Math.max(240, Math.floor(this.host.clientWidth)), { left, right, top } = whole < 560 ? Chart.narrow : Chart.margin;
+    const frame = (this.frame = { left, top, width: whole - left - right, height: this.tall });
+    this.width = whole;
+    setAttributes(this.svg, { viewBox: `0 0 ${whole} ${this.height}`, width: whole, height: this.height });
+    for (const part of [this.inner, this.overlay]) setAttributes(part, { x: left, y: top, width: frame.width, height: frame.height });
+    setAttributes(this.inner, { preserveAspectRatio: "none" });
+    setAttributes(this.overlay, { viewBox: `${left} ${top} ${frame.width} ${frame.height}` });
+    for (const key of ["left", "top", "width", "height"]) this.over.style[key] = `${frame[key]}px`;
+    this.show();
   }
 
-  options(dragY) {
-    const { x, y, title } = this.figure;
-    const scale = (axis, key) => ({
-      time: false, auto: false, distr: axis.log ? 3 : 1, dir: axis.low > axis.high ? -1 : 1, range: () => this.shown(key) });
-    const series = this.lines.map((line) => ({
-      facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }],
-      stroke: () => colour(line.colour), width: line.width, dash: dashOf(line).length > 0 ? dashOf(line) : undefined,
-      paths: uPlot.paths.linear(), points: { show: false } }));
-    const none = { facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }], paths: () => null, points: { show: false } };
-    return {
-      mode: 2, width: this.width, height: this.height, padding: [10, 20, 0, 0], pxAlign: 0,
-      scales: { x: scale(x, "x"), y: scale(y, "y") },
-      axes: [this.axis(x, "x"), this.axis(y, "y")],
-      series: [{}, ...series, none],
-      legend: { show: false, live: false },
-      cursor: {
-        x: false, y: false, points: { show: false },
-        drag: { x: true, y: dragY, uni: dragY ? 30 : null, setScale: false, dist: 4 },
-        bind: {
-          dblclick: () => () => { this.reset(); return null; },
-          mousedown: (plot, target, start) => (event) => (event.shiftKey ? this.startPan(event) : start(event)) },
-      },
-      hooks: {
-        drawAxes: [(plot) => this.paint(plot.ctx, (layer) => lowerLayers.has(layer.kind))],
-        draw: [(plot) => this.paint(plot.ctx, (layer) => !lowerLayers.has(layer.kind), true)],
-        setSelect: [(plot) => this.selected(plot.select)],
-        setCursor: [(plot) => this.pointerMoved(plot.cursor)],
-      },
-    };
+  /// Draws the part of the axes that is in view.
+  show() {
+    const { frame, drawn, x, y } = this, [low, high] = this.seen("x"), [down, up] = this.seen("y");
+    this.view = {
+      x: new Scale({ ...x, low, high }, frame.left, frame.left + frame.width),
+      y: new Scale({ ...y, low: down, high: up }, frame.top + frame.height, frame.top) };
+    const [left, right, top, bottom] = [drawn.x.at(low), drawn.x.at(high), drawn.y.at(up), drawn.y.at(down)];
+    setAttributes(this.inner, { viewBox: `${left} ${top} ${right - left} ${bottom - top}` });
+    const across = (right - left) / frame.width, upwards = (bottom - top) / frame.height;
+    for (const [node, at, level] of this.fixed) setAttributes(node, { transform: `translate(${at} ${level}) scale(${across} ${upwards})` });
+    const axes = axesOf(frame, x.bare ? null : this.view.x, y.bare ? null : this.view.y, x.label, y.label);
+    this.axes.grid.replaceWith(axes.grid);
+    this.axes.edge.replaceWith(axes.edge);
+    this.axes = axes;
+    this.paint();
+    this.placeCursor();
   }
+  paint() { this.overlay.replaceChildren(...this.painters.flatMap((painter) => painter(this))); }
 
-  axis(axis, key) {
-    const ticks = axis.log
-      ? { splits: (plot, i, low, high) => decadeTicks(low, high),
-          values: (plot, ticks) => decadeLabels(ticks, plot.scales[key].min, plot.scales[key].max,
-            key === "x" ? Math.max(2, Math.min(12, Math.floor((this.width - Chart.leftAxis) / 44))) : 7),
-          filter: (plot, ticks) => ticks }
-      : axis.bare ? { splits: () => [], values: () => [] }
-      : { incrs: tickSteps, values: (plot, ticks, i, space, step) => linearLabels(ticks, step) };
-    const grid = { stroke: () => colour("var(--faint)"), width: 1, filter: (plot, ticks) => ticks };
-    // Whole pixels: uPlot multiplies the last digits before "px" on finer screens.
-    const font = (size) => `${size}px ${getComputedStyle(document.body).fontFamily}`;
-    return {
-      scale: key, side: key === "x" ? 2 : 3, label: axis.label, labelSize: 24, labelGap: 0, size: key === "x" ? 28 : Chart.leftAxis - 24,
-      space: key === "x" ? 70 : 34, gap: 5, font: font(12), labelFont: font(13),
-      stroke: () => colour("var(--soft)"), grid, 
-      ticks: { ...grid, stroke: () => colour("var(--soft)"), size: 5 }, ...ticks };
+  px(x) { return this.view.x.at(x); }
+  py(y) { return this.view.y.at(y); }
+  /// The part of an axis in view: zoomed over time, lines have a range that fits them.
+  seen(key) {
+    const fits = key === "y" && this.overTime && !this.y.log && this.link.x.range;
+    return this.link[key].range ?? (fits ? this.fittedRange() : null) ?? [this[key].low, this[key].high];
   }
-
-  get ratio() { return devicePixelRatio || 1; }
-  get width() { return Math.max(240, Math.floor(this.host.clientWidth)); }
-
-  /// The part of an axis in view.
-  shown(key) {
-    const axis = this.figure[key], whole = [Math.min(axis.low, axis.high), Math.max(axis.low, axis.high)];
-    const range = this.link[key].range;
-    if (range) return range;
-    if (key === "y" && this.isSeries && this.link.x.range) {
-      const levels = this.figure.layers.filter(({ kind }) => kind === "level").map(({ y }) => y);
-      const curves = this.curves.filter((_, i) => !this.hidden.has(this.groups.of.get(this.lines[i])));
-      return fittedRange(curves, levels, ...this.link.x.range) ?? whole;
-    }
-    return whole;
+  fittedRange() {
+    const [from, to] = this.link.x.range.map((value) => this.drawn.x.at(value));
+    const values = this.curves.filter((curve) => !this.hidden.has(curve.key)).flatMap((curve) => curve.values(from, to));
+    const levels = [...this.inner.querySelectorAll("[data-level]")].map((node) => Number(node.dataset.level));
+    return rangeAround(values.map((at) => this.drawn.y.value(at)), levels);
   }
-
-  get box() { return this.plot.bbox; }
-  px(x) { return this.plot.valToPos(x, "x", true); }
-  py(y) { return this.plot.valToPos(y, "y", true); }
-
-  paint(context, belongs, withOverlays = false) {
-    const { left, top, width, height } = this.box;
-    context.save();
-    context.beginPath();
-    context.rect(left, top, width, height);
-    context.clip();
-    for (const layer of this.figure.layers) {
-      if (layer.kind === "line" || !belongs(layer) || this.hidden.has(this.groups.of.get(layer))) continue;
-      const painter = this.special[layer.kind] ?? layerPainters[layer.kind];
-      if (painter) painter(this, context, layer);
-    }
-    if (withOverlays) for (const overlay of this.overlays) overlay(this, context);
-    context.restore();
-    if (withOverlays) {
-      strokeStyle(this, context, "var(--soft)", 1);
-      context.strokeRect(left, top, width, height);
-    }
+  /// The value of a curve at a place of the axis along, to the digits with which it is drawn.
+  valueOf(curve, at) {
+    const { x, y, height } = this.drawn, unit = 10 ** Math.ceil(Math.log10((y.high - y.low) / height / 1000));
+    return Number((Math.round(y.value(curve.at(x.at(at))) / unit) * unit).toPrecision(12));
   }
 
   listen() {
-    const rescale = () => this.plot.batch(() => {
-      for (const key of ["x", "y"]) {
-        const [min, max] = this.shown(key);
-        this.plot.setScale(key, { min, max });
-      }
-      this.placeCursor();
-    });
-    this.link.x.onRange.add(rescale);
-    this.link.y.onRange.add(rescale);
-    this.rescale = rescale;
-    this.link.x.onPlace.add(() => this.placeCursor());
-    this.link.y.onPlace.add(() => this.placeCursor());
-    onTheme.add(() => this.redraw());
-    new ResizeObserver(() => {
-      if (this.host.clientWidth === 0 || this.width === this.plot.width) return;
-      this.plot.setSize({ width: this.width, height: this.height });
-      this.placeCursor();
-    }).observe(this.host);
-    this.plot.over.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    const { over, link, host } = this;
+    for (const key of ["x", "y"]) {
+      link[key].onRange.add(() => this.show());
+      link[key].onPlace.add(() => this.placeCursor());
+    }
+    new ResizeObserver(() => host.clientWidth > 0 && this.width !== Math.max(240, host.clientWidth) && this.layout()).observe(host);
+    over.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    over.addEventListener("dblclick", () => this.reset());
+    over.addEventListener("mousedown", (event) => event.button === 0 && (event.shiftKey ? this.pan(event) : this.drag(event)));
+    over.addEventListener("mousemove", (event) => this.point(event));
+    over.addEventListener("mouseleave", () => this.point(null));
   }
 
-  redraw() { this.plot.redraw(false, false); }
-
-  toggle(group) {
-    if (!this.hidden.delete(group)) this.hidden.add(group);
-    this.lines.forEach((line, i) => this.plot.setSeries(i + 1, { show: !this.hidden.has(this.groups.of.get(line)) }, false));
-    this.rescale();
-    this.redraw();
-  }
-
-  addCursor() {
-    this.cursor = ["x", "y"].map((key) => {
-      const line = element("div", { className: `cursor-${key}` });
-      this.plot.over.append(line);
-      return [key, line];
-    });
-    this.placeCursor();
+  /// Hides or shows what belongs to a line of the legend.
+  toggle(key) {
+    if (!this.hidden.delete(key)) this.hidden.add(key);
+    for (const node of this.inner.querySelectorAll("[data-key]")) node.style.display = this.hidden.has(node.dataset.key) ? "none" : "";
+    this.show();
   }
 
   placeCursor() {
-    for (const [key, line] of this.cursor) {
-      const link = this.link[key], place = link.place, [low, high] = this.shown(key);
+    for (const key of ["x", "y"]) {
+      const { place, pointed } = this.link[key], line = this.cursor[key], [low, high] = this.seen(key);
       line.hidden = place === null || place < low || place > high;
-      if (line.hidden) continue;
-      line.classList.toggle("pointed", link.pointed !== null);
-      const at = this.plot.valToPos(place, key);
-      line.style.transform = key === "x" ? `translateX(${at}px)` : `translateY(${at}px)`;
+      line.classList.toggle("pointed", pointed !== null);
+      const at = this.view[key].at(place) - this.frame[key === "x" ? "left" : "top"];
+      if (!line.hidden) line.style.transform = key === "x" ? `translateX(${at}px)` : `translateY(${at}px)`;
     }
   }
 
-  pointerMoved({ left, top }) {
-    const inside = left >= 0 && top >= 0;
-    for (const [key, at] of [["x", left], ["y", top]])
-      if (this.figure[key].link) this.link[key].point(inside ? this.plot.posToVal(at, key) : null);
-    this.onPointer?.(inside ? { left, top } : null);
+  /// Where the mouse is, in pixels of the SVG, not beyond the frame.
+  placeOf({ clientX, clientY }) {
+    const { left, top } = this.over.getBoundingClientRect(), { frame } = this;
+    const within = (at, from, size) => Math.min(from + size, Math.max(from, at));
+    return [within(clientX - left + frame.left, frame.left, frame.width), within(clientY - top + frame.top, frame.top, frame.height)];
+  }
+  point(event) {
+    const [x, y] = event ? this.placeOf(event) : [];
+    if (this.x.link) this.link.x.point(event ? this.view.x.value(x) : null);
+    if (this.y.link) this.link.y.point(event ? this.view.y.value(y) : null);
+    this.onPointer?.(event ? [x, y] : null);
   }
 
-  selected({ left, top, width, height }) {
-    const { width: whole, height: tall } = this.plot.over.getBoundingClientRect();
-    this.plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-    const range = (key, from, to) => [this.plot.posToVal(from, key), this.plot.posToVal(to, key)].sort((a, b) => a - b);
-    const x = width > 4 && width < whole - 1 ? range("x", left, left + width) : null;
-    const y = height > 4 && height < tall - 1 ? range("y", top, top + height) : null;
-    if (x) this.link.x.show(x);
-    if (y) this.link.y.show(y);
+  /// Calls back while the mouse moves with its button down, and when it is up.
+  follow(down, moved, done = () => {}) {
+    const stop = (event) => {
+      removeEventListener("mousemove", moved);
+      removeEventListener("mouseup", stop);
+      done(event);
+    };
+    addEventListener("mousemove", moved);
+    addEventListener("mouseup", stop);
+    down.preventDefault();
+    this.host.focus({ preventScroll: true });
   }
-
-  reset() {
-    this.link.x.show(null);
-    this.link.y.show(null);
+  /// Zooms to what is dragged over: along, or upwards, or both where that is meant. Without a way it is a click.
+  drag(down) {
+    const [x0, y0] = this.placeOf(down), { frame, select } = this, least = 4, meant = 30;
+    const boxTo = (event) => {
+      const [x, y] = this.placeOf(event), along = Math.abs(x - x0), up = this.dragY ? Math.abs(y - y0) : 0;
+      return { x: along > least && !(up > meant && along < meant) && [x0, x].sort((a, b) => a - b),
+        y: up > least && (along <= least || up > meant) && [y, y0].sort((a, b) => b - a) };
+    };
+    this.follow(down, (event) => {
+      const { x, y } = boxTo(event), [left, right] = x || [frame.left, frame.left + frame.width], [bottom, top] = y || [frame.top + frame.height, frame.top];
+      select.hidden = !x && !y;
+      Object.assign(select.style, { left: `${left - frame.left}px`, width: `${right - left}px`, top: `${top - frame.top}px`, height: `${bottom - top}px` });
+    }, (event) => {
+      select.hidden = true;
+      const { x, y } = boxTo(event), { view } = this;
+      const values = (scale, ends) => ends.map((at) => scale.value(at));
+      if (!x && !y) return this.onClick?.(view.x.value(x0));
+      const [along, up] = [x && values(view.x, x), y && values(view.y, y)];
+      if (along) this.link.x.show(along);
+      if (up) this.link.y.show(up);
+    });
   }
-
+  pan(down) {
+    let at = down.clientX;
+    this.follow(down, (event) => {
+      this.link.x.pan((at - event.clientX) / this.frame.width);
+      at = event.clientX;
+    });
+  }
   wheel(event) {
     const zooms = event.ctrlKey || event.metaKey, pans = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
     if (!zooms && !(pans && this.link.x.range)) return;
     event.preventDefault();
-    const { left, width } = this.plot.over.getBoundingClientRect();
     const step = event.shiftKey && !event.deltaX ? event.deltaY : event.deltaX;
-    if (zooms) this.link.x.zoom(Math.exp(Math.sign(event.deltaY) * 0.2), this.plot.posToVal(event.clientX - left, "x"));
-    else this.link.x.pan(step / width);
+    if (zooms) this.link.x.zoom(Math.exp(Math.sign(event.deltaY) * 0.2), this.view.x.value(this.placeOf(event)[0]));
+    else this.link.x.pan(step / this.frame.width);
   }
-
-  startPan(down) {
-    const { width } = this.plot.over.getBoundingClientRect();
-    let at = down.clientX;
-    const move = (event) => {
-      this.link.x.pan((at - event.clientX) / width);
-      at = event.clientX;
-    };
-    const stop = () => {
-      removeEventListener("mousemove", move);
-      removeEventListener("mouseup", stop);
-    };
-    addEventListener("mousemove", move);
-    addEventListener("mouseup", stop);
-    down.preventDefault();
+  reset() {
+    this.link.x.show(null);
+    this.link.y.show(null);
   }
 }
 
-/// What the legend switches on and off together: a labelled layer and those without label that follow in its colour.
-function groupsOf(layers) {
-  const labels = [], of = new Map(), ofColour = new Map();
-  for (const layer of layers) {
-    if (layer.label) {
-      if (!labels.some(({ label }) => label === layer.label)) labels.push({ label: layer.label, layer });
-      of.set(layer, layer.label);
-      ofColour.set(layer.colour, layer.label);
-    } else if (layer.kind !== "upright" && ofColour.has(layer.colour)) {
-      of.set(layer, ofColour.get(layer.colour));
-    }
+/// A line of a picture, in the coordinates of its SVG.
+class Curve {
+  constructor(node) {
+    this.key = node.dataset.key;
+    const points = node.getAttribute("d").slice(1).split("L").map((point) => point.split(" ").map(Number));
+    [this.x, this.y] = [0, 1].map((k) => points.map((point) => point[k]));
   }
-  return { labels, of };
+  at(place) {
+    const { x, y } = this;
+    return place < x[0] || place > x.at(-1) ? NaN : Field.interpolated(x, y, place);
+  }
+  /// The values over a part, at its ends too.
+  values(from, to) {
+    const inside = this.y.filter((_, i) => this.x[i] >= from && this.x[i] <= to);
+    return [this.at(from), ...inside, this.at(to)].filter(Number.isFinite);
+  }
+}
+
+/// A range for values, with room around them and the levels that lie near; null where they are all the same.
+function rangeAround(values, levels) {
+  let low = Math.min(...values), high = Math.max(...values);
+  const size = Math.max(high - low, 1e-9 * Math.max(Math.abs(low), Math.abs(high)));
+  if (!(low <= high) || size === 0) return null;
+  const near = levels.filter((level) => level > low - size && level < high + size);
+  [low, high] = [Math.min(low, ...near), Math.max(high, ...near)];
+  const margin = 0.06 * Math.max(high - low, size);
+  return [low - margin, high + margin];
 }

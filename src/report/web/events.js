@@ -4,7 +4,7 @@ class Events {
   constructor({ happened, every, places, place, t, closes, velocity }) {
     Object.assign(this, { happened, every });
     this.list = t.map((time, i) => ({ time, place: places[place[i]], closes: closes[i] === 1, velocity: velocity[i] }));
-    this.times = t;
+    this.rounding = 1e-12 * Math.max(1, Math.abs(t.at(-1) ?? 1));
     this.onChosen = new Set();
     this.chosen = null;
   }
@@ -26,7 +26,6 @@ class Events {
   /// The first one after, or the last one before, a time.
   next(time) { return this.list.find((event) => event.time > time + this.rounding) ?? null; }
   previous(time) { return this.list.findLast((event) => event.time < time - this.rounding) ?? null; }
-  get rounding() { return 1e-12 * Math.max(1, Math.abs(this.times[this.times.length - 1] ?? 1)); }
 
   /// The nearest within a distance, of those that `belongs` lets pass.
   nearest(time, distance, belongs = () => true) {
@@ -41,24 +40,23 @@ class Events {
   /// Marks along the upper edge of a picture, pointing down where a contact closes and up where it opens. Of
   /// marks that would lie on each other one is drawn; zooming in shows the others.
   marksOn(belongs) {
-    return (chart, context) => {
-      const [from, to] = chart.shown("x"), unit = chart.ratio, top = chart.box.top + 1.5 * unit;
-      let last = -Infinity;
+    const mark = (at, top, size, { closes }) => {
+      const [base, tip] = closes ? [top, top + 1.6 * size] : [top + 1.6 * size, top];
+      return `M${(at - size).toFixed(1)} ${base}h${2 * size}L${at.toFixed(1)} ${tip}z`;
+    };
+    return (chart) => {
+      const { low, high } = chart.view.x, top = chart.frame.top + 1.5, size = 4;
+      let d = "", last = -Infinity;
       for (const event of this.list) {
-        if (event.time < from || event.time > to || !belongs(event)) continue;
-        const at = chart.px(event.time), chosen = event === this.chosen, size = (chosen ? 6 : 4) * unit;
-        if (at - last < size && !chosen) continue;
+        if (event.time < low || event.time > high || !belongs(event)) continue;
+        const at = chart.px(event.time);
+        if (at - last < size) continue;
         last = at;
-        context.fillStyle = chosen ? colour("var(--touching)") : colour("var(--ink)");
-        context.globalAlpha = chosen ? 1 : 0.75;
-        context.beginPath();
-        const [base, tip] = event.closes ? [top, top + 1.6 * size] : [top + 1.6 * size, top];
-        context.moveTo(at - size, base);
-        context.lineTo(at + size, base);
-        context.lineTo(at, tip);
-        context.fill();
+        d += mark(at, top, size, event);
       }
-      context.globalAlpha = 1;
+      const { chosen } = this, shown = chosen && belongs(chosen) && chosen.time >= low && chosen.time <= high;
+      return [svgElement("path", { class: "change", d }),
+        ...(shown ? [svgElement("path", { class: "change chosen", d: mark(chart.px(chosen.time), top, 6, chosen) })] : [])];
     };
   }
 
@@ -86,10 +84,9 @@ class Events {
       rows.forEach((row, i) => row.setAttribute("aria-selected", String(i === at)));
       if (at >= 0) keepInView(scroller, rows[at]);
     });
-    section.append(scroller);
     const left = this.every === 1 ? "" :
       ` Of ${this.happened} changes the fastest of every ${this.every} in a row is marked and listed; events.csv has all.`;
-    section.append(element("p", { className: "live note", textContent: `A click on a row or a mark goes there.${left}` }));
+    section.append(scroller, element("p", { className: "live note", textContent: `A click on a row or a mark goes there.${left}` }));
   }
 }
 

@@ -1,51 +1,48 @@
-// The legend of a picture: what is drawn, each line of it a button that hides or shows it, and values at the cursor.
+// The legend of a picture: each line of it a button that hides or shows what it stands for, and values at the cursor.
 
 class Legend {
-  constructor(chart, { values = false } = {}) {
-    this.chart = chart;
-    this.readouts = [];
+  constructor(chart) {
     this.node = element("div", { className: "legend" });
-    for (const { text } of chart.figure.layers.filter(({ kind }) => kind === "note"))
-      this.node.append(element("span", { className: "note", textContent: text }));
-    for (const { label, layer } of chart.groups.labels) {
-      const button = element("button", { type: "button", ariaPressed: "true", title: "Hide or show" },
-        swatch(layer), element("span", { textContent: label }));
-      button.addEventListener("click", () => {
-        chart.toggle(label);
-        button.ariaPressed = String(!chart.hidden.has(label));
-      });
-      const curve = chart.lines.findIndex((line) => line.label === label);
-      if (values && curve >= 0) {
-        const value = element("span", { className: "value" });
-        button.append(value);
-        this.readouts.push([chart.curves[curve], value]);
-      }
-      this.node.append(button);
-    }
-    if (this.readouts.length > 0) {
-      chart.link.x.onPlace.add(() => this.read());
-      this.read();
-    }
+    this.readouts = [];
+    for (const key of chart.legend?.querySelectorAll(".key") ?? []) this.node.append(this.line(chart, key));
+    const scale = chart.legend?.querySelector(".scale");
+    if (scale) this.node.append(...scaleOf(scale));
+    if (this.readouts.length === 0) return;
+    const read = () => {
+      const place = chart.link.x.place;
+      for (const [curve, node] of this.readouts) node.textContent = place === null ? "" : readable(chart.valueOf(curve, place), 4);
+    };
+    chart.link.x.onPlace.add(read);
+    read();
   }
 
-  read() {
-    const place = this.chart.link.x.place;
-    for (const [curve, node] of this.readouts) node.textContent = place === null ? "" : readable(curve.at(place), 4);
+  line(chart, key) {
+    const label = key.querySelector("text").textContent, name = key.dataset.key, marks = [...key.children].filter((node) => node.tagName !== "text");
+    const sample = marks.length > 0 ? [svgElement("svg", { class: "sample", viewBox: "0 -6 20 12", "aria-hidden": "true" }, ...marks)] : [];
+    const words = element("span", { textContent: label });
+    if (!name) return element("span", { className: marks.length > 0 ? "" : "note" }, ...sample, words);
+    const button = element("button", { type: "button", ariaPressed: "true", title: "Hide or show" }, ...sample, words);
+    button.addEventListener("click", () => {
+      chart.toggle(name);
+      button.ariaPressed = String(!chart.hidden.has(name));
+    });
+    const curve = chart.overTime && !chart.y.log && chart.curves.find((one) => one.key === name);
+    if (!curve) return button;
+    const value = element("span", { className: "value" });
+    button.append(value);
+    this.readouts.push([curve, value]);
+    return button;
   }
 }
 
-/// A sample of how a layer is drawn.
-function swatch(layer) {
-  const { kind, colour: css, dashed, shape, width = 2 } = layer;
-  if (kind === "line" && (dashed || shape)) {
-    return svgElement("svg", { class: "sample", viewBox: "0 0 30 10", "aria-hidden": "true" },
-      svgElement("path", { d: "M0 5h30", style: `stroke:${css};stroke-width:${Math.max(2, Math.min(width, 5))};stroke-dasharray:${dashOf(layer).join(" ")}` }));
-  }
-  const box = element("span", { className: `swatch ${kind === "line" || kind === "level" ? "stroke" : kind}`, ariaHidden: "true" });
-  box.style.setProperty("--colour", css);
-  if (dashed) box.classList.add("dashed");
-  box.style.setProperty("--width", `${Math.max(2, Math.min(width, 7))}px`);
-  return box;
+/// The colours of a map, lying down.
+function scaleOf(scale) {
+  const ramp = svgElement("svg", { class: "ramp", viewBox: "0 0 180 11", preserveAspectRatio: "none", "aria-hidden": "true" });
+  const rect = svgElement("rect", { width: 11, height: 180, transform: "translate(180 0) rotate(90)", style: scale.querySelector("rect").getAttribute("style") });
+  ramp.append(rect);
+  const { low, high } = scale.dataset;
+  return [element("span", { className: "scale", textContent: `${scale.dataset.name} from ${readable(Number(low), 3)}` }), ramp,
+    element("span", { textContent: `to ${readable(Number(high), 3)}` })];
 }
 
 /// The numbers of the nearest point, by mouse or by arrow keys: for pictures of few points.
@@ -54,29 +51,40 @@ class PointReader {
 
   constructor(chart) {
     this.chart = chart;
-    this.points = chart.lines.flatMap((line) => line.x.map((x, i) => ({ line, x, y: line.y[i] })))
-      .concat(chart.figure.layers.filter(({ kind }) => kind === "level").map((line) => ({ line, x: null, y: line.y })))
-      .filter(({ y }) => y !== null);
     this.chosen = null;
+    this.points = this.pointsOf(chart);
     this.tip = element("div", { className: "tip", hidden: true, role: "status" });
-    chart.plot.over.append(this.tip);
+    chart.over.append(this.tip);
     chart.onPointer = (at) => this.show(at && this.nearest(at));
-    chart.overlays.push((_, context) => this.ring(context));
+    chart.painters.push(() => this.ring());
     chart.host.addEventListener("keydown", (event) => this.key(event));
     chart.host.addEventListener("blur", () => this.show(null));
   }
 
-  visible() {
-    const [left, right] = this.chart.shown("x"), { hidden, groups } = this.chart;
-    return this.points.filter(({ line, x }) => !hidden.has(groups.of.get(line)) && (x === null || (x >= left && x <= right)));
+  /// Markers, which tell their numbers; the corners of lines without markers; and levels, which have no place along.
+  pointsOf({ inner, curves, drawn }) {
+    const markers = [...inner.querySelectorAll("[data-at]")].map((node) => {
+      const [x, y] = node.dataset.at.split(" ").map(Number);
+      return { key: node.dataset.key, x, y };
+    });
+    const marked = new Set(markers.map(({ key }) => key));
+    const corners = curves.filter(({ key }) => !marked.has(key)).flatMap(({ key, x, y }) =>
+      x.map((at, i) => ({ key, x: drawn.x.value(at), y: drawn.y.value(y[i]) })));
+    const levels = [...inner.querySelectorAll("[data-level]")].map((node) => ({ key: node.dataset.key, x: null, y: Number(node.dataset.level) }));
+    return [...markers, ...corners.filter(({ key }) => !levels.some((level) => level.key === key)), ...levels];
   }
 
-  nearest({ left, top }) {
+  visible() {
+    const [left, right] = this.chart.seen("x"), { hidden } = this.chart;
+    return this.points.filter(({ key, x }) => !hidden.has(key) && (x === null || (x >= left && x <= right)));
+  }
+
+  nearest([x, y]) {
+    const { chart } = this;
     let best = null, least = PointReader.reach;
     for (const point of this.visible()) {
-      const across = point.x === null ? 0 : this.chart.plot.valToPos(point.x, "x") - left;
       // A level is only meant when the pointer is on it.
-      const upwards = (this.chart.plot.valToPos(point.y, "y") - top) * (point.x === null ? 6 : 1);
+      const across = point.x === null ? 0 : chart.px(point.x) - x, upwards = (chart.py(point.y) - y) * (point.x === null ? 6 : 1);
       const distance = Math.hypot(across, upwards);
       if (distance < least) [best, least] = [point, distance];
     }
@@ -86,16 +94,16 @@ class PointReader {
   key(event) {
     const points = this.visible().filter(({ x }) => x !== null).sort((a, b) => a.x - b.x || a.y - b.y);
     if (points.length === 0) return;
-    const lines = [...new Set(points.map(({ line }) => line))];
-    const line = this.chosen?.line ?? lines[0], own = points.filter((point) => point.line === line);
-    const at = own.indexOf(this.chosen);
+    const lines = [...new Set(points.map(({ key }) => key))];
+    const line = this.chosen?.key ?? lines[0], own = points.filter(({ key }) => key === line);
+    const at = own.indexOf(this.chosen), beside = (step) => lines[(lines.indexOf(line) + step + lines.length) % lines.length];
     const next = {
       ArrowRight: () => own[Math.min(at + 1, own.length - 1)],
       ArrowLeft: () => own[Math.max(at < 0 ? 0 : at - 1, 0)],
       Home: () => own[0],
-      End: () => own[own.length - 1],
-      ArrowDown: () => points.find((point) => point.line === lines[(lines.indexOf(line) + 1) % lines.length]),
-      ArrowUp: () => points.find((point) => point.line === lines[(lines.indexOf(line) + lines.length - 1) % lines.length]),
+      End: () => own.at(-1),
+      ArrowDown: () => points.find(({ key }) => key === beside(1)),
+      ArrowUp: () => points.find(({ key }) => key === beside(-1)),
       Escape: () => null,
     }[event.key];
     if (!next) return;
@@ -105,29 +113,23 @@ class PointReader {
 
   show(point) {
     if (point === this.chosen) return;
+    const { chart, tip } = this, { frame } = chart;
     this.chosen = point;
-    this.tip.hidden = !point;
+    tip.hidden = !point;
     if (point) {
-      const { chart } = this, { x, y } = chart.figure;
-      const name = chart.groups.of.get(point.line) ?? point.line.label;
-      const lines = [name, ...(point.x === null ? [] : [`${x.label} = ${readable(point.x)}`]), `${y.label} = ${readable(point.y)}`];
-      this.tip.replaceChildren(...lines.filter(Boolean).map((text) => element("div", { textContent: text })));
-      const place = point.x === null ? chart.plot.over.clientWidth / 2 : chart.plot.valToPos(point.x, "x");
-      const height = chart.plot.valToPos(point.y, "y");
-      this.tip.style.left = `${place}px`;
-      this.tip.style.top = `${height}px`;
-      this.tip.classList.toggle("leftwards", place > chart.plot.over.clientWidth - 220);
-      this.tip.classList.toggle("downwards", height < 80);
+      const lines = [point.key, ...(point.x === null ? [] : [`${chart.x.label} = ${readable(point.x)}`]), `${chart.y.label} = ${readable(point.y)}`];
+      tip.replaceChildren(...lines.filter(Boolean).map((text) => element("div", { textContent: text })));
+      const place = point.x === null ? frame.width / 2 : chart.px(point.x) - frame.left, height = chart.py(point.y) - frame.top;
+      Object.assign(tip.style, { left: `${place}px`, top: `${height}px` });
+      tip.classList.toggle("leftwards", place > frame.width / 2);
+      tip.classList.toggle("downwards", height < 80);
     }
-    this.chart.redraw();
+    chart.paint();
   }
 
-  ring(context) {
-    if (!this.chosen || this.chosen.x === null) return;
+  ring() {
     const { chart, chosen } = this;
-    strokeStyle(chart, context, "var(--ink)", 2);
-    context.beginPath();
-    context.arc(chart.px(chosen.x), chart.py(chosen.y), 6.5 * chart.ratio, 0, 2 * Math.PI);
-    context.stroke();
+    if (!chosen || chosen.x === null) return [];
+    return [svgElement("circle", { class: "ring", cx: chart.px(chosen.x), cy: chart.py(chosen.y), r: 6.5 })];
   }
 }

@@ -14,7 +14,7 @@ class Player {
       element("option", { value: speed, textContent: `${readable(speed)}×`, selected: speed === 1 })));
     this.clock = element("output", { className: "clock" });
     this.detail = element("p", { className: "detail", ariaLive: "polite" });
-    this.strip = element("canvas", { className: "strip", ariaHidden: "true" });
+    this.strip = svgElement("svg", { class: "strip", viewBox: "0 0 1000 12", preserveAspectRatio: "none", "aria-hidden": "true" });
     const hasEvents = events.list.length > 0;
     this.node = element("section", { className: "player live", ariaLabel: "Time of the pictures" },
       element("div", { className: "controls" },
@@ -29,8 +29,7 @@ class Player {
     link.onPlace.add(() => this.show());
     link.onRange.add(() => this.drawStrip());
     events.onChosen.add(() => this.drawStrip());
-    onTheme.add(() => this.drawStrip());
-    new ResizeObserver(() => this.drawStrip()).observe(this.strip);
+    this.drawStrip();
     this.go(this.begin);
   }
 
@@ -117,23 +116,11 @@ class Player {
 
   /// Marks of all contact changes above the slider, and the part of time that is in view.
   drawStrip() {
-    const { strip } = this, ratio = devicePixelRatio || 1, width = strip.clientWidth, height = strip.clientHeight;
-    if (width === 0) return;
-    strip.width = width * ratio;
-    strip.height = height * ratio;
-    const context = strip.getContext("2d");
-    context.scale(ratio, ratio);
-    const at = (time) => ((time - this.begin) / (this.end - this.begin)) * width;
-    if (this.link.range) {
-      context.fillStyle = colour("var(--faint)");
-      context.fillRect(at(this.link.range[0]), 0, at(this.link.range[1]) - at(this.link.range[0]), height);
-    }
-    const colours = { left: "var(--series-0)", right: "var(--series-1)", span: "var(--touching)" };
-    for (const event of this.events.list) {
-      context.fillStyle = colour(colours[Events.side(event)]);
-      const width = event === this.events.chosen ? 3 : 1.5, top = event.closes ? 0 : height / 2;
-      context.fillRect(at(event.time) - width / 2, top, width, height - top);
-    }
+    const at = (time) => (((time - this.begin) / (this.end - this.begin)) * 1000).toFixed(2), { list, chosen } = this.events;
+    const marks = (events) => events.map(({ time, closes }) => `M${at(time)} ${closes ? 0 : 6}v${closes ? 12 : 6}`).join("");
+    const { range } = this.link, view = range ? [svgElement("path", { class: "view", d: `M${at(range[0])} 0H${at(range[1])}V12H${at(range[0])}z` })] : [];
+    this.strip.replaceChildren(...view, ...["left", "right", "span"].map((side) =>
+      svgElement("path", { class: side, d: marks(list.filter((event) => Events.side(event) === side)) })),
+      svgElement("path", { class: "chosen", d: marks(chosen ? [chosen] : []) }));
   }
 }
-

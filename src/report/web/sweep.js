@@ -1,35 +1,22 @@
 // The page of a sweep: any column over one or two of the varied keys, as lines or as a map, and the run behind a point.
 
-/// An axis between two pixels, linear or logarithmic, or of places without numbers.
-class SweepAxis {
-  constructor(values, from, to, { log = false, words = null } = {}) {
-    Object.assign(this, { from, to, log, words });
-    if (words) return Object.assign(this, { low: -0.5, high: words.length - 0.5 });
-    const finite = values.filter((value) => value !== null && Number.isFinite(value) && (!log || value > 0));
-    let [low, high] = finite.length > 0 ? [Math.min(...finite), Math.max(...finite)] : [0, 1];
-    if (log) {
-      if (high / low < 1.5) [low, high] = [low / 1.5, high * 1.5];
-      [this.low, this.high] = [low / (high / low) ** 0.04, high * (high / low) ** 0.04];
-    } else {
-      const room = high > low ? 0.05 * (high - low) : Math.abs(high) * 0.1 || 1;
-      [this.low, this.high] = [low - room, high + room];
-    }
-  }
-  part(value) {
-    return this.log ? Math.log(value / this.low) / Math.log(this.high / this.low) : (value - this.low) / (this.high - this.low);
-  }
-  at(value) { return this.from + this.part(value) * (this.to - this.from); }
-  /// Pairs of value and label, at least `space` pixels apart.
+/// The range of an axis for values, with room around them.
+function spreadOf(values, log) {
+  const finite = values.filter((value) => value !== null && Number.isFinite(value) && (!log || value > 0));
+  const [low, high] = finite.length > 0 ? [Math.min(...finite), Math.max(...finite)] : log ? [0.1, 1] : [0, 1];
+  const factor = high / low < 1.5 ? 1.5 : (high / low) ** 0.04;
+  if (log) return { low: low / factor, high: high * factor, log };
+  const room = high > low ? 0.05 * (high - low) : Math.abs(high) * 0.1 || 1;
+  return { low: low - room, high: high + room };
+}
+
+/// An axis of places without numbers.
+class WordScale {
+  constructor(words, from, to) { Object.assign(this, { words, from, to }); }
+  at(index) { return this.from + ((index + 0.5) / this.words.length) * (this.to - this.from); }
   ticks(space) {
-    const most = Math.max(2, Math.floor(Math.abs(this.to - this.from) / space));
-    if (this.words) {
-      const stride = Math.ceil(this.words.length / most);
-      return this.words.map((word, i) => [i, word]).filter(([i]) => i % stride === 0);
-    }
-    const step = tickSteps.find((size) => size * most >= this.high - this.low), ticks = this.log ? decadeTicks(this.low, this.high) : [];
-    if (!this.log) for (let k = Math.ceil(this.low / step); k * step <= this.high; ++k) ticks.push(k * step);
-    const labels = this.log ? decadeLabels(ticks, this.low, this.high, most) : linearLabels(ticks, step);
-    return ticks.map((tick, i) => [tick, labels[i]]);
+    const most = Math.max(2, Math.floor(Math.abs(this.to - this.from) / space)), stride = Math.ceil(this.words.length / most);
+    return this.words.map((word, i) => [this.at(i), word]).filter((_, i) => i % stride === 0);
   }
 }
 
@@ -119,46 +106,36 @@ class SweepPage {
   }
 
   axisOf(key, from, to) {
-    return key.numeric ? new SweepAxis(key.values, from, to, { log: isGeometric(key.values) })
-      : new SweepAxis([], from, to, { words: key.values.map((value) => this.valueText(value, 3)) });
+    return key.numeric ? new Scale(spreadOf(key.values, isGeometric(key.values)), from, to) : this.wordsOf(key, from, to);
   }
+  wordsOf(key, from, to) { return new WordScale(key.values.map((value) => this.valueText(value, 3)), from, to); }
   placeOn(axis, key, index) { return axis.at(key.numeric ? key.values[index] : index); }
 
   frame(svg, x, y, xLabel, yLabel) {
-    const bottom = y.from, left = x.from;
-    for (const [value, label] of x.ticks(70)) {
-      svg.append(svgElement("path", { class: "grid", d: `M${x.at(value)} ${y.to}V${bottom}` }),
-        svgElement("text", { x: x.at(value), y: bottom + 19, "text-anchor": "middle" }, label));
-    }
-    for (const [value, label] of y.ticks(34)) {
-      svg.append(svgElement("path", { class: "grid", d: `M${left} ${y.at(value)}H${x.to}` }),
-        svgElement("text", { x: left - 9, y: y.at(value), dy: ".35em", "text-anchor": "end" }, label));
-    }
-    svg.append(svgElement("rect", { class: "frame", x: left, y: y.to, width: x.to - left, height: bottom - y.to }),
-      svgElement("text", { class: "axis", x: (left + x.to) / 2, y: bottom + 42, "text-anchor": "middle" }, xLabel),
-      svgElement("text", { class: "axis", transform: "rotate(-90)", x: -(y.to + bottom) / 2, y: 16, "text-anchor": "middle" }, yLabel));
+    const { grid, edge } = axesOf({ left: x.from, top: y.to, width: x.to - x.from, height: y.from - y.to }, x, y, xLabel, yLabel);
+    svg.append(grid, edge);
   }
 
   drawLines(svg, points, column) {
-    const { state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
+    const { data, state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
     const right = this.width - (second ? 0.1 * this.width + 84 : 20), x = this.axisOf(key, 92, right);
-    const y = new SweepAxis(points.map(({ value }) => value), SweepPage.height - 56, 14, { log: state.log });
+    const y = new Scale(spreadOf(points.map(({ value }) => value), state.log), SweepPage.height - 56, 14);
     this.frame(svg, x, y, key.name, column.name);
     const of = (index) => points.filter((point) => point.second === index);
     const count = second ? second.values.length : 1;
     for (let k = 0; k < count; ++k) {
       const own = of(k).filter(({ value }) => value !== null && (!state.log || value > 0))
         .sort((a, b) => this.placeOn(x, key, a.x) - this.placeOn(x, key, b.x));
-      const css = `var(--series-${k % 8})`, dash = dashOf({ shape: k }).join(" ");
+      const css = `var(--series-${k % 8})`, dash = data.dashes[k % data.dashes.length], marker = data.markers[k % data.markers.length];
       const places = own.map((point) => [this.placeOn(x, key, point.x), y.at(point.value)]);
       if (key.numeric && places.length > 1)
         svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${places.map((place) => place.map((v) => v.toFixed(1)).join(" ")).join("L")}` }));
       own.forEach((point, i) => svg.append(this.shape(point, column, "path", "mark",
-        { style: `fill:${css};stroke:${css}`, d: markerPath(k, ...places[i], own.length > 120 ? 2 : 4) })));
+        { style: `fill:${css};stroke:${css}`, d: marker, transform: `translate(${places[i].join(" ")}) scale(${own.length > 120 ? 0.5 : 1})` })));
       if (!second || k > 18) continue;
       const height = 24 + 19 * k;
       svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${right + 12} ${height}h26` }),
-        svgElement("path", { style: `fill:${css};stroke:${css}`, d: markerPath(k, right + 25, height, 4) }),
+        svgElement("path", { style: `fill:${css};stroke:${css}`, d: marker, transform: `translate(${right + 25} ${height})` }),
         svgElement("text", { x: right + 46, y: height, dy: ".35em" }, k === 18 ? "…" : this.valueText(second.values[k])));
     }
     if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.name));
@@ -178,22 +155,21 @@ class SweepPage {
 
   drawMap(svg, points, column) {
     const { state, keys, data } = this, key = keys[state.x], second = keys[state.second];
-    const x = new SweepAxis([], 92, this.width - 110, { words: key.values.map((value) => this.valueText(value, 3)) });
-    const y = new SweepAxis([], SweepPage.height - 56, 14, { words: second.values.map((value) => this.valueText(value, 3)) });
-    const scale = new SweepAxis(points.map(({ value }) => value), 0, 1, { log: state.log });
+    const [top, bottom] = [14, SweepPage.height - 56];
+    const x = this.wordsOf(key, 92, this.width - 110), y = this.wordsOf(second, bottom, top);
+    const scale = new Scale(spreadOf(points.map(({ value }) => value), state.log), 0, 1);
     const shade = (part) => `rgb(${mixed(data.anchors, Math.min(1, Math.max(0, part)))})`;
     const width = Math.abs(x.at(1) - x.at(0)), height = Math.abs(y.at(1) - y.at(0));
     this.frame(svg, x, y, key.name, second.name);
     for (const point of points) {
       const known = point.value !== null && (!state.log || point.value > 0);
       svg.append(this.shape(point, column, "rect", "cell", { x: x.at(point.x) - width / 2, y: y.at(point.second) - height / 2,
-        width, height, style: `fill:${known ? shade(scale.part(point.value)) : "var(--faint)"}` }));
+        width, height, style: `fill:${known ? shade(scale.at(point.value)) : "var(--faint)"}` }));
     }
-    const steps = 60, [top, bottom] = [14, SweepPage.height - 56];
+    const steps = 60;
     for (let k = 0; k < steps; ++k)
       svg.append(svgElement("rect", { x: this.width - 96, width: 16, y: top + ((bottom - top) * k) / steps, height: (bottom - top) / steps + 0.5, style: `fill:${shade(1 - (k + 0.5) / steps)}` }));
-    const ramp = Object.assign(Object.create(SweepAxis.prototype), scale, { from: bottom, to: top });
-    for (const [value, label] of ramp.ticks(34)) svg.append(svgElement("text", { x: this.width - 74, y: ramp.at(value), dy: ".35em" }, label));
+    for (const [at, label] of new Scale(scale, bottom, top).ticks(34)) svg.append(svgElement("text", { x: this.width - 74, y: at, dy: ".35em" }, label));
   }
 
   choose(row) {
