@@ -184,7 +184,7 @@ TEST(EndMass, ThatTouchesLeavesItsMomentumToTheWall) {
 TEST(EndMass, ThatStrikesAndIsPulledOffAtOnceHasAContact) {
   const std::string scene =
       "bar.length=1\nbar.viscosity=0.0121\nbar.density=0.554\nmesh.elements=22\nmesh.mass=\"fourth_order\"\n"
-      "left.kind=\"obstacle\"\nleft.gap=0.24654\nleft.mass=0.3\nright.stiffness=2\nright.dashpot=0.1\n"
+      "left.kind=\"obstacle\"\nleft.gap=0.24654\nleft.mass=0.3\nright.kind=\"free\"\nright.stiffness=2\nright.dashpot=0.1\n"
       "initial.velocity=\"-cos(pi*x)\"\nload.profile=\"1+x\"\nload.history=\"sin(3*t)\"\ntime.end=0.3\n";
   const Recording rigid = recorded(scene + "method.name=\"rigid\"\nmethod.relative_tolerance=1e-9\n");
   const Recording scheme = recorded(scene + "method.name=\"fully_discrete\"\nmethod.step=1e-5\n");
