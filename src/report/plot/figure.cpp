@@ -20,8 +20,8 @@ namespace {
 
 constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
 
-/// Of the numbers that a marker tells. Lines are drawn to 1/1000 of a pixel: to 1 / 10^5 of a picture's height, 1 /
-/// 10^6 of its width.
+/// Digits of the numbers that a marker tells. Lines are drawn to 1/1000 of a pixel: to 1/10^5 of a picture's height,
+/// 1/10^6 of its width.
 constexpr int digits_of_y = 5, digits_of_x = 9;
 
 std::string json(const Axis& axis) {

@@ -1,13 +1,13 @@
 // The bar at one time. Its pictures have the axes, the obstacles at rest and where the bar has been and will be; what moves
 // is drawn over them, in pixels.
 
-/// Of an obstacle that moves, linear in between output times.
+/// The place of an obstacle that moves, linear in between output times.
 const surfaceAt = ({ surface }, field, time) => Field.interpolated(field.t, surface, time);
 
 /// 1 for an obstacle below, -1 for one above.
 const signOf = (obstacle) => (obstacle.above ? -1 : 1);
 
-/// Whether a value lies in one of the intervals [begin, end, begin, end, ...].
+/// True if a value lies in one of the intervals [begin, end, begin, end, ...].
 const inParts = (parts = [], value) => parts.some((begin, i) => i % 2 === 0 && begin <= value && value <= parts[i + 1]);
 
 /// A fill of about 120 colours along a bar from a place to another, and its definition.
@@ -55,7 +55,7 @@ class BarPicture {
       ...["left", "right"].flatMap((side) => this.end(chart, side, profile, time))];
   }
 
-  /// What lies on the obstacle along the span: stretches, and single nodes as dots.
+  /// Nodes that lie on the obstacle along the span: stretches, and single nodes as dots.
   touching(chart, profile) {
     const { x } = this.field, touches = (j) => this.field.touches(profile[j]), stretches = [], dots = [];
     for (let j = 0; j < x.length; ++j) {

@@ -23,7 +23,7 @@ class Field {
     const part = values.length > 1 ? (value - values[low]) / (values[low + 1] - values[low]) : 0;
     return [low, Math.min(1, Math.max(0, part))];
   }
-  /// Of values at increasing places, linear in between.
+  /// A value between others at increasing places, linear in between.
   static interpolated(places, values, at) {
     const [node, part] = Field.locate(places, at);
     return part > 0 ? values[node] + part * (values[node + 1] - values[node]) : values[node];
@@ -38,7 +38,7 @@ class Field {
   }
   value(time, x) { return Field.interpolated(this.x, this.profile(time), x); }
 
-  /// Whether a displacement is one in contact with the span obstacle.
+  /// True of a displacement in contact with the span obstacle.
   touches(u) { return u <= this.contactUpTo || u >= this.contactFrom; }
   /// The colour of a value, as in the map.
   shade(value) {

@@ -1,4 +1,4 @@
-// What charts with an axis of the same meaning share: the part of it in view, and where on it the reader is.
+// A link is shared by charts with an axis of the same meaning: it has the part of it in view, and where on it the reader is.
 
 class Link {
   bounds = null;   // [low, high] of the whole

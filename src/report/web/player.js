@@ -92,7 +92,7 @@ class Player {
     Object.assign(this.playButton, { ariaLabel: label, title: label });
   }
 
-  /// Of the slider and of the pictures over time.
+  /// Keys of the slider and of the pictures over time.
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const action = {

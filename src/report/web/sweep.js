@@ -20,7 +20,7 @@ class WordScale {
   }
 }
 
-/// Whether values ask for a logarithmic axis: positive, over more than a decade and a half.
+/// True of values that ask for a logarithmic axis: positive, over more than a decade and a half.
 const isGeometric = (values) => {
   const numbers = values.filter((value) => typeof value === "number");
   return numbers.length > 2 && Math.min(...numbers) > 0 && Math.max(...numbers) / Math.min(...numbers) > 30;
@@ -141,7 +141,7 @@ class SweepPage {
     if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.name));
   }
 
-  /// What stands for a case: a click on it shows its run.
+  /// The mark of a case: a click on it shows its run.
   shape(point, column, name, kind, attributes) {
     const node = svgElement(name, { class: `${kind}${point.row === this.state.chosen ? " chosen" : ""}`, ...attributes },
       svgElement("title", {}, `${this.words(point)}: ${column.name} = ${readable(point.value, 6)}`));
