@@ -14,6 +14,7 @@
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
+#include "viscobar/dynamics/side_rows.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/record/record_run.hpp"
