@@ -2,8 +2,8 @@
 // frame of the SVG is a view into what is drawn, so zooming is another view; axes are drawn anew for it.
 
 class Chart {
-  static margin = { left: 80, right: 14, top: 12, bottom: 46 };
-  static narrow = { left: 64, right: 8, top: 12, bottom: 46 };
+  static margin = { left: 80, right: 22, top: 12, bottom: 46 };
+  static narrow = { left: 64, right: 20, top: 12, bottom: 46 };
 
   /// @param panel holds the SVG, which stays as it is for print @param links Link by name @param dragY whether dragging upwards
   /// zooms, too
