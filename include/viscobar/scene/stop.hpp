@@ -47,7 +47,9 @@ struct Stop {
 
   /// The condition a d + b d' + e > 0 under which the stop pushes at d > 0.
   struct Push {
-    double a, b, e;
+    double a;  ///< of d
+    double b;  ///< of d'
+    double e;  ///< constant
   };
   /// Absent: it pushes wherever d > 0. `time` makes a displacement of the condition on a velocity.
   std::optional<Push> push(double time) const;
