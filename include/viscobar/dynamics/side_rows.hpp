@@ -22,7 +22,8 @@ namespace viscobar {
 class SideRows {
  public:
   /// @param mass M of all nodes, without rho
-  /// @param values k and c at all nodes; empty: none
+  /// @param stiffness k at all nodes; empty: none
+  /// @param drag c at all nodes; empty: none
   SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std::vector<double> drag);
 
   bool has_stiffness() const { return !stiffness_.empty(); }  ///< k

@@ -24,7 +24,7 @@ namespace viscobar {
 ///     peak_left         max |R| of an end                                                1
 ///     final             u and v of all nodes at the end                                  2 x (J+1)
 struct EnsembleOutput {
-  /// Of the rows above.
+  /// The rows above: columns of ends.csv, gauges, and so on.
   enum class Kind { trace, gauge, events, impulse, peak, final };
   std::string name;                ///< the text
   Kind kind = Kind::final;         ///< of the quantity
