@@ -152,10 +152,10 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     if (i == 0 && node > 0) pull(0, *bar_.left_displacement());
     if (i + 1 == size() && node < mesh.elements) pull(mesh.elements, *bar_.right_displacement());
     for (std::size_t n = 0; n < row.count; ++n) {
-      RelaxingRow::Neighbour& beside = row.neighbours[n];
-      const std::size_t j = beside.unknown + bar_.first_node();
-      beside.u_share -= entry(j) * side->stiffness(j), beside.w_share -= entry(j) * side->drag(j);
-      pull(j, origin_at(beside.unknown));
+      RelaxingRow::Neighbour& neighbour = row.neighbours[n];
+      const std::size_t j = neighbour.unknown + bar_.first_node();
+      neighbour.u_share -= entry(j) * side->stiffness(j), neighbour.w_share -= entry(j) * side->drag(j);
+      pull(j, origin_at(neighbour.unknown));
     }
   }
   row.inertia = bar_.inertia().diagonal_entry(i) / row.rate;
