@@ -145,6 +145,10 @@ class EnsembleRun {
       auto own = members_ ? member_of(i) : std::nullopt;
       if (own) {
         const std::size_t level = study_.error ? first_level(own->member.bar) : 0;
+        if (level + 2 > crossing && study_.error && rigid_takes_over()) {
+          alone.push_back(i);
+          continue;
+        }
         waiting[level].push_back(std::make_unique<Bar>(Bar{i, std::move(*own)}));
         any = true;
       } else if (result_.status[i] == BarStatus::not_run) {
@@ -262,7 +266,7 @@ class EnsembleRun {
     waiting[onward].push_back(std::move(bar));
   }
   static constexpr double safety = 1.4, rounding = 1e-12;
-  static constexpr std::size_t crossing = 9;  // a run by rigid costs less than more steps than that
+  static constexpr std::size_t crossing = 6;  // two runs by rigid cost less than those up to the next level
   bool rigid_takes_over() const { return first_.method == MethodName::rigid; }
 
   void run_pack(LaneScheme& scheme, std::span<const std::unique_ptr<Bar>> pack, std::size_t level,
