@@ -183,7 +183,7 @@ void LaneScheme::sweep() {
 }
 
 template <class Graded, class Loaded, class ToLast>
-void LaneScheme::sweep_rows(Graded, Loaded, ToLast) {
+[[gnu::flatten]] void LaneScheme::sweep_rows(Graded, Loaded, ToLast) {
   const std::size_t n = size_;
   const double* stretch = pattern_.stretch.data();
   const Lanes *u = u_.data(), *p = p_.data(), *load = scaled_load_.data(), *multiplier = multiplier_.data(),
@@ -265,8 +265,9 @@ void LaneScheme::balance(double lever) {
     if (pattern_.contact[right]) where(active_[right], end_a_[right]) = pattern_.sign[right] * bound_[right];
 }
 
-// From n to n + 1; with `keep` a_ is a^n, of held nodes but for rounding.
-void LaneScheme::advance(bool keep) {
+// From n to n + 1; with `keep` a_ is a^n, of held nodes but for rounding. Calls that lanes pass through cost more than
+// their arithmetic: all are inlined.
+[[gnu::flatten]] void LaneScheme::advance(bool keep) {
   const std::size_t n = size_;
   const double dt = dt_;
   const bool left = pattern_.contact[0] && std::experimental::any_of(active_[0]),
