@@ -266,7 +266,7 @@ class EnsembleRun {
     waiting[onward].push_back(std::move(bar));
   }
   static constexpr double safety = 1.4, rounding = 1e-12;
-  static constexpr std::size_t crossing = 6;  // two runs by rigid cost less than those up to the next level
+  static constexpr std::size_t crossing = 8;  // two runs by rigid cost less than those up to the next level
   bool rigid_takes_over() const { return first_.method == MethodName::rigid; }
 
   void run_pack(LaneScheme& scheme, std::span<const std::unique_ptr<Bar>> pack, std::size_t level,
