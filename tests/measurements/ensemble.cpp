@@ -163,7 +163,7 @@ void errors(std::size_t scenes, unsigned seed) {
   std::vector<double> ratios;
   for (std::size_t scene = 0; scene < scenes; ++scene) {
     TextEnsemble made = random_ensemble(random, bars);
-    // From a start in contact on `rigid` settles high modes that (2.8) does not: their limits differ like the mesh.
+    // Each bar has its first closing on the way.
     for (double& gap : made.values[1]) gap = std::max(gap, 0.02);
     EnsembleStudy study = made.study();
     const double end = made.run(made.of(0)).end;
