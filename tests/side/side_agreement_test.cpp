@@ -210,8 +210,12 @@ TEST(Side, RandomBarsMoveAsMatrixExponentialsSayInEveryMethod) {
       // A hundred times the tolerance of numbers up to 2, as docs/methods.md promises, and ten times that for what a
       // contact change makes of it.
       EXPECT_LT(distance(run, judge), scene.obstacle ? 2e-6 : 2e-7);
-      if (scene.left_fixed) EXPECT_NEAR(run.reaction_left.back(), judge.reaction(false), 2e-6);
-      if (scene.right_fixed) EXPECT_NEAR(run.reaction_right.back(), judge.reaction(true), 2e-6);
+      if (scene.left_fixed) {
+        EXPECT_NEAR(run.reaction_left.back(), judge.reaction(false), 2e-6);
+      }
+      if (scene.right_fixed) {
+        EXPECT_NEAR(run.reaction_right.back(), judge.reaction(true), 2e-6);
+      }
       const EnergyAccount& energy = *run.statistics.energy;
       EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-6);
     }
