@@ -47,6 +47,7 @@ Direction direction(const Case& run, std::string_view key) {
   along.key = key;
   Scene& data = along.data;
   data.bar = scene.bar;
+  data.section = scene.section, data.section_places = scene.section_places;
   data.displacement = data.velocity = [](double) { return 0.0; };
   data.left = scene.left, data.right = scene.right, data.span = scene.span;
   const auto gap_of = [](Obstacle* obstacle) -> double* {

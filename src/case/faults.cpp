@@ -130,25 +130,41 @@ void check_input(const std::string& table, const EndCondition& end, const EndInp
                     name(input.stop->law));
 }
 
+// The key by which rows of the bar differ; null: they do not.
+const char* unlike_rows(const Case& run) {
+  return run.grading != 1.0 ? "mesh.grading" : run.nodes ? "mesh.nodes" : run.scene.section ? "bar.section" : nullptr;
+}
+
 void check_end_rows(const Case& run, Findings& findings) {
   if (run.elements < 3)
     findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
-  if (run.grading != 1.0)
-    findings.report(
-        "mesh.grading",
-        "does not fit the mass \"fourth_order\", whose weights are those of elements of equal length; leave "
-        "it out, or use the mass \"consistent\" or \"lumped\"");
+  else if (!fourth_order_fits(run) && findings.sound({"bar.length", "bar.section", "mesh.nodes"}))
+    findings.report("mesh.mass",
+                    "\"fourth_order\" takes elements of at most {} times their neighbours, measured by int dx / A, and "
+                    "here some are longer; use \"consistent\" or \"lumped\"",
+                    largest_jump);
 }
 
 void check_grading(const Setup& setup, Findings& findings) {
   const Case& run = setup.run;
-  if (run.grading == 1.0 || !findings.sound({"left.kind", "right.kind"})) return;
-  if (end_obstacles(run.scene) == 0)
+  if (run.grading != 1.0 && end_obstacles(run.scene) == 0 && findings.sound({"left.kind", "right.kind"}))
     findings.report("mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out");
-  else if (setup.mass == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
-    findings.report("mesh.grading",
+  else if (const char* key = unlike_rows(run);
+           key && setup.mass == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
+    findings.report(key,
                     "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
                     "\"lumped\"");
+}
+
+void check_section(const Case& run, Findings& findings) {
+  if (!run.scene.section || !findings.sound({"bar.length", "bar.section", "mesh.elements", "mesh.grading"})) return;
+  const Mesh mesh = run.mesh();
+  for (std::size_t k = 0; k <= 2 * mesh.elements; ++k) {
+    const double x = k % 2 == 0 ? mesh.node(k / 2) : 0.5 * (mesh.node(k / 2) + mesh.node(k / 2 + 1));
+    const double area = run.scene.section(x);
+    if (!(std::isfinite(area) && area > 0.0))
+      return findings.report("bar.section", "must be finite and positive, is {} at x = {}", printable(area), x);
+  }
 }
 
 void check_memory(const Case& run, Findings& findings) {
@@ -227,9 +243,9 @@ void check_finite_difference(const Case& run, Findings& findings) {
                     "\"{}\" does not fit finite_difference, whose mass is diagonal; use \"lumped\" or "
                     "\"paper\", or fully_discrete",
                     name(*run.mass));
-  if (run.grading != 1.0)
-    findings.report("mesh.grading",
-                    "does not fit finite_difference, whose elements are of equal length; leave it out, or use "
+  if (const char* key = unlike_rows(run))
+    findings.report(key,
+                    "does not fit finite_difference, whose elements are all alike; leave it out, or use "
                     "fully_discrete with the mass \"lumped\"");
 }
 
@@ -277,6 +293,7 @@ std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& 
   check_input("left", scene.left, scene.left_input, setup, findings);
   check_input("right", scene.right, scene.right_input, setup, findings);
   check_grading(setup, findings);
+  check_section(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);
   check_side(run, findings);

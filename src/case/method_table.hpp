@@ -40,6 +40,10 @@ struct MethodRow {
 /// Whether the case has massless contact nodes without viscosity, whose equations are algebraic.
 bool has_algebraic_rows(const Case& run);
 
+/// The mass `fourth_order` takes elements of at most this many times their neighbours, measured by int dx / A.
+inline constexpr double largest_jump = 3.0;
+bool fourth_order_fits(const Case& run);
+
 /// In the order of all_methods.
 std::span<const MethodRow> method_table();
 

@@ -122,7 +122,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       falling = std::min(falling, v);
       continue;
     }
-    const double h = system.spacing_at(contact.unknown), m = masses[contact.unknown];
+    const double h = system.stretch_at(contact.unknown), m = masses[contact.unknown];
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;

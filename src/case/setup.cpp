@@ -36,6 +36,27 @@ bool impacts_stay(const Case& run) {
          (run.restitution.value_or(0.0) > 0.0 || run.scene.bar.viscosity == 0.0);
 }
 
+}  // namespace
+
+bool fourth_order_fits(const Case& run) {
+  if (run.elements < 3) return false;
+  if (run.rows_alike()) return true;
+  const Mesh mesh = run.mesh();
+  const auto stretch = [&](std::size_t j) {
+    const double size = mesh.element(j);
+    return run.scene.section ? size / run.scene.section(mesh.node(j) + 0.5 * size) : size;
+  };
+  double before = stretch(0);
+  for (std::size_t j = 1; j < mesh.elements; ++j) {
+    const double next = stretch(j);
+    if (!(std::max(before, next) <= largest_jump * std::min(before, next))) return false;
+    before = next;
+  }
+  return true;
+}
+
+namespace {
+
 template <class Value>
 struct Chosen {
   Value value;
@@ -48,7 +69,7 @@ Chosen<Mass> mass_of(const Case& run) {
   if (run.mass) return {*run.mass, asked};
   if (impacts_stay(run)) return {Mass::lumped, "impacts under a span obstacle stay with their nodes"};
   const bool penalised = is_penalised(run.method) && has_penalty(run.scene);
-  if (!penalised && run.elements >= 3 && run.grading == 1.0)
+  if (!penalised && fourth_order_fits(run))
     return {Mass::fourth_order, "the most accurate, and no contact is penalised"};
   if (redistributes(run) && !(penalised && !method_row(run.method).takes_massless(run)))
     return {Mass::redistributed, "contact nodes without mass do not bounce"};

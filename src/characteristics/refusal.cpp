@@ -16,6 +16,10 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
     return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes "
                                               "them; use rigid, or one of the penalised methods",
                                               bar.viscosity)};
+  if (scene.section)
+    return Finding{"bar.section",
+                   "is not for characteristics: a section that varies reflects waves at every place; use "
+                   "rigid, or fully_discrete"};
   if (scene.side)
     return Finding{scene.side->stiffness ? "side.stiffness" : "side.drag",
                    "is not for characteristics: what resists along the bar changes its waves as they travel; use "

@@ -86,7 +86,10 @@ std::string check_text(const SceneCheck& check) {
   const Mesh& mesh = system.mesh();
   std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
   text += row("elasticity", "E = {}, h = {:.4g}{}", scene.bar.modulus, mesh.spacing(),
-              mesh.uniform() ? "" : fmt::format(" on average, {:.4g} at the contacts", mesh.smallest()));
+              mesh.uniform() ? ""
+                             : fmt::format(" on average, {:.4g} {}", mesh.smallest(),
+                                           mesh.given ? "the least" : "at the contacts"));
+  if (scene.section) text += row("section", section_text(scene));
   text += row("damping", system.damped() ? fmt::format("eta = {}", scene.bar.viscosity) : "none");
   text += row("load", load_kind(scene));
   if (scene.side) text += row("side", side_text(scene));

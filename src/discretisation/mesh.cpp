@@ -1,6 +1,23 @@
 #include "viscobar/discretisation/mesh.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace viscobar {
+
+double Mesh::smallest() const {
+  if (!given) return uniform() || grading.left ? element(0) : element(elements - 1);
+  double least = length;
+  for (std::size_t j = 0; j < elements; ++j) least = std::min(least, element(j));
+  return least;
+}
+
+double Mesh::given_node(std::size_t j) const {
+  const std::size_t parts = given->size() - 1, k = j * parts / elements;
+  if (k == parts) return length;
+  const double share = static_cast<double>(j * parts % elements) / static_cast<double>(elements);
+  return length * std::lerp((*given)[k], (*given)[k + 1], share);
+}
 
 double Mesh::graded_node(std::size_t j) const {
   if (j == 0) return 0.0;

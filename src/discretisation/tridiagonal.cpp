@@ -178,14 +178,17 @@ namespace {
 // e_{n-1}]
 void add_end_rows(const SymmetricTridiagonal& matrix, std::vector<double>& inverse_diagonal) {
   const std::size_t n = matrix.size();
-  SymmetricTridiagonal symmetric = matrix;
-  symmetric.end_rows.reset();
-  const TridiagonalFactor factor(symmetric);
+  SymmetricTridiagonal inner = matrix;
+  inner.end_rows.reset();
+  const TridiagonalFactor factor(inner);
+  for (double& entry : inner.skew) entry = -entry;
+  const TridiagonalFactor transposed(inner);
   const EndRows& rows = *matrix.end_rows;
   std::vector<double> left(n), right(n), first(n), last(n);
   left[0] = right[n - 1] = 1.0;
   for (std::size_t k = 0; k < 3; ++k) first[k] = rows.first[k], last[n - 1 - k] = rows.last[k];
-  for (std::vector<double>* column : {&left, &right, &first, &last}) factor.solve(*column);
+  for (std::vector<double>* column : {&left, &right}) factor.solve(*column);
+  for (std::vector<double>* column : {&first, &last}) transposed.solve(*column);
   const double s00 = 1.0 + rows.first_times(left), s01 = rows.first_times(right);
   const double s10 = rows.last_times(left), s11 = 1.0 + rows.last_times(right);
   const double determinant = s00 * s11 - s01 * s10;
@@ -200,14 +203,8 @@ std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();
   std::vector<double> forward(matrix.diagonal), backward(matrix.diagonal), result(n);
   if (!matrix.off_diagonal.empty()) {
-    for (std::size_t i = 1; i < n; ++i) {
-      const double off = matrix.off_diagonal[i - 1];
-      forward[i] -= off * off / forward[i - 1];
-    }
-    for (std::size_t i = n - 1; i-- > 0;) {
-      const double off = matrix.off_diagonal[i];
-      backward[i] -= off * off / backward[i + 1];
-    }
+    for (std::size_t i = 1; i < n; ++i) forward[i] -= matrix.above(i - 1) * matrix.below(i - 1) / forward[i - 1];
+    for (std::size_t i = n - 1; i-- > 0;) backward[i] -= matrix.above(i) * matrix.below(i) / backward[i + 1];
   }
   for (std::size_t i = 0; i < n; ++i) result[i] = 1.0 / (forward[i] + backward[i] - matrix.diagonal[i]);
   if (matrix.end_rows) add_end_rows(matrix, result);

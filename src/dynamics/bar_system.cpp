@@ -3,7 +3,7 @@
 #include <cassert>
 #include <numeric>
 
-#include "dynamics/element_stress.hpp"
+#include "discretisation/varying_section.hpp"
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
 #include "scene/end_kinds.hpp"
@@ -21,6 +21,7 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
   SymmetricTridiagonal part;
   part.diagonal = part_of(matrix.diagonal, first, count);
   if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
+  if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
   const bool with_first = first == 0, with_last = first + count == matrix.size();
   if (matrix.end_rows && (with_first || with_last)) {
     part.end_rows.emplace();
@@ -93,9 +94,13 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
   massless_ = {redistributed && ends[0].obstacle, redistributed && ends[1].obstacle};
-  if (!mesh.uniform())
-    for (std::size_t j = 0; j < mesh.elements; ++j) inverse_spacing_.push_back(1.0 / mesh.element(j));
-  whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1]);
+  if (scene.section) {
+    section_ = std::make_shared<VaryingSection>(scene.section, scene.section_places.breaks, mesh);
+    places_ = section_->places();
+  }
+  for (std::size_t j = 0; (section_ || !mesh.uniform()) && j < mesh.elements; ++j)
+    inverse_spacing_.push_back(1.0 / stretch(j));
+  whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1], section_.get());
   if (scene.side) {
     const auto nodal = [&](const SpaceFunction& f) {
       std::vector<double> values;
@@ -147,12 +152,12 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (const auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places); !moments.empty())
     start_from(moments);
   else if (mass == Mass::fourth_order && fixed > 0)
-    stop_fixed_ends(scene, whole_inertia_.off_diagonal.front());
+    stop_fixed_ends(scene);
   add_masses();
   if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
-    const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass);
+    const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass, section_.get());
     const auto weighted = [&](const SpaceFunction& profile, const Places& places) {
       std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places);
       if (product.empty()) {
@@ -205,15 +210,16 @@ double BarSystem::held_inertia(bool right, std::span<const double> a) const {
 
 double BarSystem::holding_force(bool right, std::span<const double> u, std::span<const double> v,
                                 std::span<const double> a, double load) const {
-  const double stress = element_stress(bar_, mesh_, u, v, right ? mesh_.elements - 1 : 0);
-  const double force = (right ? stress : -stress) + held_inertia(right, a) - load;
+  const std::size_t e = right ? mesh_.elements - 1 : 0;
+  const double pull = (bar_.modulus * (u[e + 1] - u[e]) + bar_.viscosity * (v[e + 1] - v[e])) / stretch(e);
+  const double force = (right ? pull : -pull) + held_inertia(right, a) - load;
   if (!side_) return force;
   return force + side_->at_end(right, side_->resistance([u](std::size_t j) { return u[j]; },
                                                         [v](std::size_t j) { return v[j]; }));
 }
 
 void BarSystem::internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  if (inverse_spacing_.empty())
+  if (rows_alike())
     uniform_force(u, w, out);
   else
     graded_force(u, w, out);
@@ -258,23 +264,21 @@ void BarSystem::graded_force(std::span<const double> u, std::span<const double> 
 }
 
 double BarSystem::stiffness_diagonal(std::size_t i) const {
-  if (inverse_spacing_.empty()) return uniform_stiffness_diagonal(*this, i);
+  if (rows_alike()) return uniform_stiffness_diagonal(*this, i);
   const std::size_t node = i + first_node();
   return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
 }
 
-double BarSystem::end_power(std::span<const double> w, std::span<const double> a) const {
-  if (!inertia_.end_rows) return 0.0;
-  const EndRows& rows = *inertia_.end_rows;
-  return w.front() * rows.first_times(a) + w.back() * rows.last_times(a);
-}
-
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
   const double scale = c * bar_.viscosity + k * bar_.modulus;
-  if (inverse_spacing_.empty())
+  if (rows_alike())
     uniform_stiffness(m, scale, out);
   else
     graded_stiffness(m, scale, out);
+  out.skew = inertia_.skew;
+  for (double& entry : out.skew) entry *= m;
+  out.end_rows.reset();
+  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
   for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
   if (side_) side_->add_to(out, first_node(), c, k);
 }
@@ -292,8 +296,6 @@ void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& 
     std::ranges::fill(out.off_diagonal, off);
   else
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
-  out.end_rows.reset();
-  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
 }
 
 void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
@@ -309,14 +311,14 @@ void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& o
 
 double BarSystem::squared_strain(std::span<const double> u) const {
   const double *left = walls_[0] ? &*walls_[0] : nullptr, *right = walls_[1] ? &*walls_[1] : nullptr;
-  if (!inverse_spacing_.empty()) return graded_squared_strain(u, left, right, inverse_spacing_);
+  if (!rows_alike()) return graded_squared_strain(u, left, right, inverse_spacing_);
   return squared_differences(u, left, right) / mesh_.spacing();
 }
 
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
   const double still = 0.0;
   const double *left = walls_[0] ? &still : nullptr, *right = walls_[1] ? &still : nullptr;
-  if (!inverse_spacing_.empty()) return graded_squared_strain(w, left, right, inverse_spacing_);
+  if (!rows_alike()) return graded_squared_strain(w, left, right, inverse_spacing_);
   return squared_differences(w, left, right) / mesh_.spacing();
 }
 
@@ -347,11 +349,12 @@ void BarSystem::expand_velocity(std::span<const double> w, std::span<double> nod
 // Held nodes that the initial velocity does not leave at rest stop at once, and the rows beside them keep their share
 // of the momentum: rho M (w - u_1) = 0 over the unknowns, u_1 of the held nodes included. Without it the error is
 // O(h^2).
-void BarSystem::stop_fixed_ends(const Scene& scene, double coupling) {
+void BarSystem::stop_fixed_ends(const Scene& scene) {
   const Lift rate = moving() ? lift(0.0, 1) : Lift{};
+  const std::vector<double>& coupling = whole_inertia_.off_diagonal;
   std::vector<double> gained(size());
-  if (left_fixed()) gained.front() += coupling * (scene.velocity(0.0) - rate.at(0.0));
-  if (right_fixed()) gained.back() += coupling * (scene.velocity(mesh_.length) - rate.at(1.0));
+  if (left_fixed()) gained.front() += coupling.front() * (scene.velocity(0.0) - rate.at(0.0));
+  if (right_fixed()) gained.back() += coupling.back() * (scene.velocity(mesh_.length) - rate.at(1.0));
   if (std::ranges::all_of(gained, [](double momentum) { return momentum == 0.0; })) return;
   accelerate(gained);
   for (std::size_t i = 0; i < size(); ++i) initial_.v[i] += gained[i];
@@ -399,7 +402,7 @@ std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunc
     return finite_load(
         0.0, [&] { return f(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
   };
-  add_moments(mesh_, mass_, 0, mesh_.elements, value, either_of(places.breaks, next_detail),
+  add_moments(mesh_, mass_, section_.get(), 0, mesh_.elements, value, either_of(places.breaks, next_detail),
               [&](std::size_t node, double part) { moments[node] += part; });
   return moments;
 }
@@ -416,8 +419,8 @@ void BarSystem::start_from(std::vector<double> moments) {
     for (std::size_t j = 0; j < moments.size(); ++j) moments[j] -= product[j];
   }
   const std::size_t last = mesh_.elements, first = first_node();
-  const double left = mesh_.element(0) / mesh_.element(std::min<std::size_t>(1, last - 1));
-  const double right = mesh_.element(last - 1) / mesh_.element(last < 2 ? 0 : last - 2);
+  const double left = stretch(0) / stretch(std::min<std::size_t>(1, last - 1));
+  const double right = stretch(last - 1) / stretch(last < 2 ? 0 : last - 2);
   const auto give = [&](std::size_t end, std::size_t next, std::size_t inner, double ratio) {
     moments[next] += (1.0 + ratio) * moments[end];
     moments[inner] -= ratio * moments[end];

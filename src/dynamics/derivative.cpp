@@ -124,7 +124,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     std::vector<double> share(of.mesh().nodes()), product(of.mesh().nodes());
     for (const bool right : {false, true}) {
       for (std::size_t j = 0; j < share.size(); ++j)
-        share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.mesh().node(j) / of.mesh().length);
+        share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.node_share(j));
       of.whole_inertia().multiply(share, product);
       const auto of_unknowns = std::span(product).subspan(of.first_node(), of.size());
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
@@ -185,27 +185,26 @@ double Derivative::displacement(std::size_t end, std::span<const double> u) cons
 
 // The stretch of the lift, as stretch() is of u, over the length of the element.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
-  const double strain = (lift.right - lift.left) / system_.bar().mesh().length;
+  const double strain = (lift.right - lift.left) / system_.bar().whole_stretch();
   return system_.bar().is_right(end) ? strain : -strain;
 }
 
 // Stress of the lift by the derivatives of the coefficients.
 double Derivative::lift_stress(const Lift& lift, const Lift& rate) const {
-  return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().mesh().length;
+  return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().whole_stretch();
 }
 
 auto Derivative::placed(std::span<const double> u) const {
   return [this, of = system_.bar().displacement_at_nodes(u)](std::size_t j) {
     const BarSystem& bar = system_.bar();
     const std::size_t i = j - bar.first_node();
-    return of(j) + (i < bar.size() ? system_.origin_at(i) : 0.0) + lift_[0].at(bar.mesh().node(j) / bar.mesh().length);
+    return of(j) + (i < bar.size() ? system_.origin_at(i) : 0.0) + lift_[0].at(bar.node_share(j));
   };
 }
 
 auto Derivative::moving(std::span<const double> w) const {
   return [this, of = system_.bar().at_nodes(w)](std::size_t j) {
-    const Mesh& mesh = system_.bar().mesh();
-    return of(j) + lift_[1].at(mesh.node(j) / mesh.length);
+    return of(j) + lift_[1].at(system_.bar().node_share(j));
   };
 }
 
@@ -234,11 +233,11 @@ void Derivative::drive(const Moment& at) {
   if (!begun) std::ranges::fill(added_, 0.0);
   std::array<double, 2> rates{};
   if (n > 1 && bar.has_massless() && !bar.damped())
-    rates = {modulus_ * (at.w[1] - at.w[0]) / bar.spacing_at(0),
-             modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.spacing_at(n - 1)};
+    rates = {modulus_ * (at.w[1] - at.w[0]) / bar.stretch_at(0),
+             modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.stretch_at(n - 1)};
   if (bar.moving()) {
     add_frame();
-    const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.mesh().length;
+    const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.whole_stretch();
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
   if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.first_node(), n, added_);
@@ -277,7 +276,7 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   if (!bar.right_fixed()) rate.back() -= stress;
   if (side_) {
     const auto at = [&bar](const Lift& lift) {
-      return [&bar, lift](std::size_t j) { return lift.at(bar.mesh().node(j) / bar.mesh().length); };
+      return [&bar, lift](std::size_t j) { return lift.at(bar.node_share(j)); };
     };
     side_->subtract(side_->resistance(at(velocity), at(acceleration)), bar.first_node(), rate.size(), rate);
   }
@@ -297,7 +296,7 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
   const double apart = system_.origin_at(end == 0 ? 1 : end - 1) - system_.origin_at(end);
-  double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().spacing_at(end);
+  double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().stretch_at(end);
   if (system_.bar().moving()) {
     const double stress = lift_stress(system_.lift(t, 0), system_.lift(t, 1));
     sum += end == 0 ? stress : -stress;
@@ -340,13 +339,14 @@ double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<c
 }
 
 double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
-  const Mesh& mesh = system_.bar().mesh();
-  const std::size_t element = right ? mesh.elements - 1 : 0;
-  const auto strain = [&](std::span<const double> x) { return (x[element + 1] - x[element]) / mesh.element(element); };
-  const double stress = modulus_ * strain(bar.u) + viscosity_ * strain(bar.v);
+  const std::size_t element = right ? system_.bar().mesh().elements - 1 : 0;
+  const auto strain = [&](std::span<const double> x) {
+    return (x[element + 1] - x[element]) / system_.bar().stretch(element);
+  };
+  const double pull = modulus_ * strain(bar.u) + viscosity_ * strain(bar.v);
   const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
   const double side = side_ ? side_->at_end(right, side_->resistance(at(bar.u), at(bar.v))) : 0.0;
-  return (right ? stress : -stress) + side + inertia_ * system_.bar().held_inertia(right, bar.a) +
+  return (right ? pull : -pull) + side + inertia_ * system_.bar().held_inertia(right, bar.a) +
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
 }
 
@@ -362,7 +362,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     return sum;
   };
   const BarSystem& bar = system_.bar();
-  const double h = bar.spacing_at(end);
+  const double h = bar.stretch_at(end);
   double sum =
       row(rate) + inertia_ * row(at.w) +
       (bar.bar().viscosity * stretch(end, s, {}, data_) + viscosity_ * stretch(end, at.u, system_.origin(), bar)) / h;
@@ -383,7 +383,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
 
 double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
   const BarSystem& bar = system_.bar();
-  double sum = (bar.bar().modulus * s_stretch + modulus_ * u_stretch) / bar.spacing_at(end);
+  double sum = (bar.bar().modulus * s_stretch + modulus_ * u_stretch) / bar.stretch_at(end);
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.stiffness * s;
   for (const Mount& mount : mounts_)
@@ -421,7 +421,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
     sum += inertia.off_diagonal[i] * (v[i] * of_v[i + 1] + v[i + 1] * of_v[i]);
   for (std::size_t j = 0; j < mesh.elements; ++j) {
     const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
-    sum += (bar.bar().modulus * strain * of_strain + 0.5 * modulus_ * strain * strain) / mesh.element(j);
+    sum += (bar.bar().modulus * strain * of_strain + 0.5 * modulus_ * strain * strain) / bar.stretch(j);
   }
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));

@@ -16,9 +16,9 @@ class UnitStiffness {
  public:
   explicit UnitStiffness(const BarSystem& bar) {
     const std::size_t first = bar.first_node();
-    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(1.0 / bar.mesh().element(first + i));
-    if (bar.left_fixed()) ground_[0] = 1.0 / bar.mesh().element(0);
-    if (bar.right_fixed()) ground_[1] = 1.0 / bar.mesh().element(bar.mesh().elements - 1);
+    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(1.0 / bar.stretch(first + i));
+    if (bar.left_fixed()) ground_[0] = 1.0 / bar.stretch(0);
+    if (bar.right_fixed()) ground_[1] = 1.0 / bar.stretch(bar.mesh().elements - 1);
   }
 
   /// out = K x of the values x(i), which are numbers, or what is added and multiplied as such.

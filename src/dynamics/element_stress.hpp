@@ -8,7 +8,8 @@
 
 namespace viscobar {
 
-/// Mean stress of element j, (E (u_{j+1} - u_j) + eta (v_{j+1} - v_j)) / h_j, of J+1 nodal values.
+/// Mean stress of element j, whatever its section, (E (u_{j+1} - u_j) + eta (v_{j+1} - v_j)) / h_j, of J+1 nodal
+/// values.
 inline double element_stress(const Bar& bar, const Mesh& mesh, std::span<const double> u, std::span<const double> v,
                              std::size_t j) {
   return (bar.modulus * (u[j + 1] - u[j]) + bar.viscosity * (v[j + 1] - v[j])) / mesh.element(j);

@@ -12,7 +12,7 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     w[end] = 0.0;
     return;
   }
-  const double h = bar_.spacing_at(end);
+  const double h = bar_.stretch_at(end);
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   const std::size_t next = neighbour(end);
   if (bar_.damped()) {
@@ -68,7 +68,7 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
     return;
   }
   if (bar_.damped()) return;
-  const double modulus = bar_.bar().modulus / bar_.spacing_at(end);
+  const double modulus = bar_.bar().modulus / bar_.stretch_at(end);
   const std::size_t next = neighbour(end);
   double force = modulus * (u[next] + (origin_at(next) - origin_at(end))) + load(end, t), stiffness = modulus;
   for (std::size_t i = 0; i < laws_.size(); ++i) {
@@ -90,7 +90,7 @@ std::vector<PenalisedSystem::RelaxingRow> PenalisedSystem::relaxing_rows() const
   const double modulus = bar_.bar().modulus, viscosity = bar_.bar().viscosity;
   for (const std::size_t end : {std::size_t{0}, size() - 1}) {
     if (!massless(end) || held(end)) continue;
-    const double h = bar_.spacing_at(end);
+    const double h = bar_.stretch_at(end);
     const std::size_t next = neighbour(end);
     const double share = modulus / viscosity;
     RelaxingRow row{
@@ -109,22 +109,22 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
   const std::size_t i = contact(contact_index).unknown, node = i + bar_.first_node();
   RelaxingRow row{i, 0.0, 1.0, 0.0, 0.0, {}, 0};
   double damping = 0.0;
-  const auto beside = [&](double element, std::optional<std::size_t> next, std::optional<double> wall) {
-    const double modulus = bar_.bar().modulus / element, viscosity = bar_.bar().viscosity / element;
+  const auto beside = [&](double stretch, std::optional<std::size_t> next, std::optional<double> wall) {
+    const double modulus = bar_.bar().modulus / stretch, viscosity = bar_.bar().viscosity / stretch;
     row.rate += modulus, damping += viscosity;
     if (!next) {
       row.constant += modulus * (*wall - origin_at(i));
       return;
     }
     row.constant += modulus * (origin_at(*next) - origin_at(i));
-    const auto& inertia = bar_.inertia().off_diagonal;
-    row.neighbours[row.count++] = {*next, modulus, viscosity, inertia.empty() ? 0.0 : inertia[std::min(i, *next)]};
+    const SymmetricTridiagonal& inertia = bar_.inertia();
+    const double coupling = inertia.is_diagonal() ? 0.0 : *next < i ? inertia.below(*next) : inertia.above(i);
+    row.neighbours[row.count++] = {*next, modulus, viscosity, coupling};
   };
-  const Mesh& mesh = bar_.mesh();
+  const std::size_t last = bar_.mesh().elements;
   const std::optional<std::size_t> none;
-  if (node > 0) beside(mesh.element(node - 1), i > 0 ? std::optional(i - 1) : none, bar_.left_displacement());
-  if (node < mesh.elements)
-    beside(mesh.element(node), i + 1 < size() ? std::optional(i + 1) : none, bar_.right_displacement());
+  if (node > 0) beside(bar_.stretch(node - 1), i > 0 ? std::optional(i - 1) : none, bar_.left_displacement());
+  if (node < last) beside(bar_.stretch(node), i + 1 < size() ? std::optional(i + 1) : none, bar_.right_displacement());
   if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
     const std::array<double, 3>& shares = rows->row(i);
     row.neighbours[0].a_share += shares[1];
@@ -150,7 +150,7 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.rate += entry(node) * side->stiffness(node), damping += entry(node) * side->drag(node);
     pull(node, origin_at(i));
     if (i == 0 && node > 0) pull(0, *bar_.left_displacement());
-    if (i + 1 == size() && node < mesh.elements) pull(mesh.elements, *bar_.right_displacement());
+    if (i + 1 == size() && node < last) pull(last, *bar_.right_displacement());
     for (std::size_t n = 0; n < row.count; ++n) {
       RelaxingRow::Neighbour& neighbour = row.neighbours[n];
       const std::size_t j = neighbour.unknown + bar_.first_node();

@@ -141,7 +141,8 @@ template <class Add>
 void LoadVector::add_moments(double t, std::size_t first, std::size_t last, Add&& add) const {
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
   viscobar::add_moments(
-      system_.mesh(), system_.mass(), first, last, [&](double x) { return density_at(general.density, x, t); },
+      system_.mesh(), system_.mass(), system_.section_.get(), first, last,
+      [&](double x) { return density_at(general.density, x, t); },
       [&](double after, double until) { return general.breaks_in_x(t, after, until); }, add);
 }
 
@@ -162,8 +163,9 @@ std::array<double, 2> LoadVector::end_forces(double t) const {
   if (!system_.moving()) return forces;
   const Lift at = lift(t, 0), rate = lift(t, 1);
   const Bar& bar = system_.bar();
-  const double stress = (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
-  std::array<double, 2> of_lift = {stress, -stress};
+  const double pull =
+      (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
+  std::array<double, 2> of_lift = {pull, -pull};
   for (const Mount& mount : system_.mounts()) {
     const bool right = system_.is_right(mount.unknown);
     of_lift[right] -= mount.stiffness * at.of(right) + mount.dashpot * rate.of(right);
@@ -226,10 +228,10 @@ double LoadVector::distributed(double t, std::size_t node) const {
     return moment;
   }
   const auto density = [&](std::size_t j) { return density_at(general.density, system_.mesh().node(j), t); };
-  const auto& beside = general.mass.off_diagonal;
+  const bool coupled = !general.mass.is_diagonal();
   double sum = general.mass.diagonal[node] * density(node);
-  if (!beside.empty() && node > 0) sum += beside[node - 1] * density(node - 1);
-  if (!beside.empty() && node < beside.size()) sum += beside[node] * density(node + 1);
+  if (coupled && node > 0) sum += general.mass.below(node - 1) * density(node - 1);
+  if (coupled && node + 1 < general.mass.size()) sum += general.mass.above(node) * density(node + 1);
   if (const auto& ends = general.mass.end_rows) {
     const std::size_t last = general.mass.size() - 1;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "discretisation/varying_section.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 
@@ -13,10 +14,11 @@ namespace viscobar {
 
 /// Calls add(i, int phi_i f dx) with the parts of the elements [first, last): Gauss' formula of four points between the
 /// nodes and the breaks of f. `next(after, until)` is the first of its breaks there, or nothing. Under `paper`, which
-/// has a whole weight at the ends, their entries count twice: M f of a constant f is what it is elsewhere.
+/// has a whole weight at the ends, their entries count twice: M f of a constant f is what it is elsewhere. With a
+/// section they are int A phi_i f dx, and phi_i those of VaryingSection.
 template <class Function, class Next, class Add>
-void add_moments(const Mesh& mesh, Mass mass, std::size_t first, std::size_t last, Function&& f, Next&& next,
-                 Add&& add) {
+void add_moments(const Mesh& mesh, Mass mass, const VaryingSection* section, std::size_t first, std::size_t last,
+                 Function&& f, Next&& next, Add&& add) {
   constexpr std::array places = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
   constexpr std::array weights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * mesh.length, end = mesh.node(last);
@@ -32,8 +34,9 @@ void add_moments(const Mesh& mesh, Mass mass, std::size_t first, std::size_t las
       high = std::min(stop, b);
       if (stop <= high) stop = search(stop + rounding);
       for (std::size_t k = 0; k < places.size() && low < high; ++k) {
-        const double x = low + places[k] * (high - low), share = (x - a) / (b - a);
-        const double part = weights[k] * (high - low) * f(x);
+        const double x = low + places[k] * (high - low);
+        const double share = section ? section->along(e, x) : (x - a) / (b - a);
+        const double part = weights[k] * (high - low) * f(x) * (section ? section->area(x) : 1.0);
         before += (1.0 - share) * part;
         after += share * part;
       }

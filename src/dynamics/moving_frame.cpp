@@ -56,8 +56,7 @@ void BarSystem::enter_frame() {
   rigid_frame_ = free_[moves_frame(false)];
   std::vector<double> share(mesh_.nodes()), product(mesh_.nodes());
   for (const bool right : {false, true}) {
-    for (std::size_t j = 0; j < share.size(); ++j)
-      share[j] = right ? mesh_.node(j) / mesh_.length : (mesh_.length - mesh_.node(j)) / mesh_.length;
+    for (std::size_t j = 0; j < share.size(); ++j) share[j] = right ? node_share(j) : 1.0 - node_share(j);
     whole_inertia_.multiply(share, product);
     const auto of_unknowns = std::span(product).subspan(first_node(), size());
     lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
@@ -159,7 +158,7 @@ double BarSystem::gap_jump(const Contact& contact, double t, double end) const {
 }
 
 void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {
-  for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(mesh_.node(j) / mesh_.length);
+  for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(node_share(j));
 }
 
 BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const double> v) const {
@@ -167,8 +166,8 @@ BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const dou
   if (moving()) {
     energy.kinetic = 0.5 * whole_inertia_.quadratic_form(v);
     for (std::size_t j = 0; j < mesh_.elements; ++j) {
-      const double stretch = u[j + 1] - u[j];
-      energy.elastic += 0.5 * bar_.modulus * stretch * stretch / mesh_.element(j);
+      const double strain = u[j + 1] - u[j];
+      energy.elastic += 0.5 * bar_.modulus * strain * strain / stretch(j);
     }
   } else {
     energy.kinetic = 0.5 * inertia_.quadratic_form(v.subspan(first_node(), size()));
@@ -192,27 +191,9 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
   return nodal_energy(displacement, velocity);
 }
 
-double BarSystem::lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
-                                 std::span<const double> a) const {
-  if (!whole_inertia_.end_rows) return 0.0;
-  double sum = 0.0;
-  for (const bool at_right : {false, true}) {
-    const std::array<double, 3>& row = at_right ? whole_inertia_.end_rows->last : whole_inertia_.end_rows->first;
-    const std::size_t fixed = walls_[at_right] ? 1 : 0;
-    double own = 0.0, of_lift = 0.0;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const double along = static_cast<double>(k) / static_cast<double>(mesh_.elements);
-      of_lift += row[k] * acceleration.at(at_right ? 1.0 - along : along);
-      if (k >= fixed) own += row[k] * a[at_right ? a.size() - 1 + fixed - k : k - fixed];
-    }
-    sum += rate.of(at_right) * (own + of_lift) + (fixed ? 0.0 : at_right ? right : left) * of_lift;
-  }
-  return sum;
-}
-
 double BarSystem::lift_loss(const Lift& rate, double left, double right) const {
-  const double strain_rate = (rate.right - rate.left) / mesh_.length;
-  double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * mesh_.length);
+  const double strain_rate = (rate.right - rate.left) / whole_stretch();
+  double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * whole_stretch());
   for (const Mount& mount : mounts_) {
     const bool at_right = is_right(mount.unknown);
     const double frame = rate.of(at_right);

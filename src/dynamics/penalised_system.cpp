@@ -109,7 +109,7 @@ bool PenalisedSystem::gives_way_by_rounding(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
   if (!massless(node)) return false;
   const Bar& bar = bar_.bar();
-  const double viscous = bar.viscosity / (bar_.spacing_at(node) * std::sqrt(bar.modulus * bar.density));
+  const double viscous = bar.viscosity / (bar_.stretch_at(node) * std::sqrt(bar.modulus * bar.density));
   return relative_stiffness(i) * std::numeric_limits<double>::epsilon() > 1.0 + viscous;
 }
 
@@ -145,7 +145,7 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   const std::size_t node = contact(i).unknown;
   const std::array<double, 2> inertia = inertia_beside(node);
   for (std::size_t k = 0; k < inertia.size(); ++k)
-    weights.rates[k] = -sign * bar_.spacing_at(node) / bar.modulus * inertia[k];
+    weights.rates[k] = -sign * bar_.stretch_at(node) / bar.modulus * inertia[k];
   const SideRows* side = bar_.side();
   if (!side) return weights;
   // The row of the side, but for the node itself.
@@ -154,7 +154,7 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   const std::array<double, 3> row = side->end_row(right);
   const auto share = [&](std::size_t k, bool drag) {
     const std::size_t j = right ? bar_.mesh().elements - k : k;
-    return -sign * bar_.spacing_at(node) / bar.modulus * row[k] * (drag ? side->drag(j) : side->stiffness(j));
+    return -sign * bar_.stretch_at(node) / bar.modulus * row[k] * (drag ? side->drag(j) : side->stiffness(j));
   };
   weights.values[1] += share(1, false), weights.values[2] += share(1, true);
   if (bar_.inertia().end_rows) weights.values[3] = share(2, true), weights.values[4] = share(2, false);
@@ -177,7 +177,7 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   double neighbours = contact(i).clearance(origin_at(neighbour(node)));
   for (const Mount& mount : bar_.mounts())
     if (mount.unknown == node)
-      neighbours += mount.stiffness * contact(i).gap * bar_.spacing_at(node) / bar_.bar().modulus;
+      neighbours += mount.stiffness * contact(i).gap * bar_.stretch_at(node) / bar_.bar().modulus;
   if (const SideRows* side = bar_.side(); side && collides(i)) {
     const auto resting = [&](std::size_t j) {
       const std::size_t unknown = j - bar_.first_node();
@@ -186,10 +186,10 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
       return side->stiffness(j) * (fixed ? bar_.wall(j > 0).value() : origin_at(unknown));
     };
     neighbours -=
-        contact(i).sign * bar_.spacing_at(node) / bar_.bar().modulus * side->at_end(bar_.is_right(node), resting);
+        contact(i).sign * bar_.stretch_at(node) / bar_.bar().modulus * side->at_end(bar_.is_right(node), resting);
   }
   if (!load_) return neighbours;
-  return neighbours + contact(i).sign * load_->at(t)[node] * bar_.spacing_at(node) / bar_.bar().modulus;
+  return neighbours + contact(i).sign * load_->at(t)[node] * bar_.stretch_at(node) / bar_.bar().modulus;
 }
 
 bool PenalisedSystem::relaxes(std::size_t i) const {
@@ -207,7 +207,7 @@ double PenalisedSystem::penetration_share(std::size_t i) const {
 }
 
 double PenalisedSystem::relative_stiffness(std::size_t i) const {
-  return laws_[i].stiffness * bar_.spacing_at(contact(i).unknown) / bar_.bar().modulus;
+  return laws_[i].stiffness * bar_.stretch_at(contact(i).unknown) / bar_.bar().modulus;
 }
 
 void PenalisedSystem::force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
@@ -278,7 +278,7 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   const double height = pressed > 0.0 ? rebound * rebound / (2.0 * pressed) : 0.0;
   bool rests = true;
   if (rebound == 0.0) {
-    rests = mass * pressed * bar_.spacing_at(node) / bar_.bar().modulus > -negligible.reaction;
+    rests = mass * pressed * bar_.stretch_at(node) / bar_.bar().modulus > -negligible.reaction;
   } else {
     rests = pressed > 0.0 && height <= negligible.displacement;
     if (!rests) leave_with(sign * rebound);
@@ -351,7 +351,7 @@ double PenalisedSystem::row_reaction(std::size_t i, double t, std::span<const do
   const double sign = contact(i).sign;
   const double stress = bar_.bar().modulus * (sign * u[next] + contact(i).clearance(origin_at(next))) +
                         bar_.bar().viscosity * sign * w[next];
-  return -stress / bar_.spacing_at(node) - sign * load(node, t);
+  return -stress / bar_.stretch_at(node) - sign * load(node, t);
 }
 
 // One solve serves all contacts that hold nodes with mass.
@@ -414,9 +414,9 @@ double PenalisedSystem::change_frame(const BarSystem& to, double t, std::span<do
 
 PenalisedSystem::EndPower PenalisedSystem::end_power(double t, std::span<const double> u, std::span<const double> w,
                                                      std::span<const double> a) const {
-  double of_frame = bar_.moving() ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.left_fixed() ? 0.0 : w.front(),
-                                                        bar_.right_fixed() ? 0.0 : w.back(), a)
-                                  : 0.0;
+  double of_frame =
+      bar_.moving() ? bar_.lift_end_power(lift(t, 1), lift(t, 2), bar_.at_nodes(w), bar_.at_nodes(RowValues{a, size()}))
+                    : 0.0;
   double own = bar_.end_power(w, a);
   if (const SideRows* side = bar_.side(); side && side->has_row_power()) {
     const auto placed = [this, of = bar_.displacement_at_nodes(u), first = bar_.first_node()](std::size_t j) {

@@ -316,8 +316,8 @@ class PenalisedSystem {
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
   std::span<const double> nodal_load(double t) { return load_->at(t); }  ///< M f(t), where loaded()
-  /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of all unknowns or of three at
-  /// either end (end_values()), with that of SideRows, and what of it is the frame's, which what moves the frame does.
+  /// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of which it has row_values(),
+  /// with that of SideRows, and what of it is the frame's, which what moves the frame does.
   /// Where a is that of F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long
   /// flight: the derivative of the same w has not.
   struct EndPower {

@@ -18,7 +18,7 @@ SideRows::SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std
     : mass_(std::move(mass)),
       stiffness_(std::move(stiffness)),
       drag_(std::move(drag)),
-      skew_(!mass_.is_diagonal() && (varies(stiffness_) || varies(drag_))) {}
+      skew_(!mass_.is_diagonal() && (!mass_.skew.empty() || varies(stiffness_) || varies(drag_))) {}
 
 double SideRows::largest_stiffness() const { return stiffness_.empty() ? 0.0 : std::ranges::max(stiffness_); }
 
@@ -36,13 +36,14 @@ std::array<double, 3> SideRows::end_row(bool right) const {
 void SideRows::add_to(SymmetricTridiagonal& out, std::size_t first, double c, double k) const {
   const std::size_t n = out.size(), last = mass_.size() - 1;
   const auto at = [&](std::size_t j) { return c * drag(j) + k * stiffness(j); };
-  if (skew_) out.skew.resize(n - 1);
+  if (skew_) out.skew.resize(n - 1);  // zeros but for those of the inertia
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t j = first + i;
     out.diagonal[i] += mass_.diagonal[j] * at(j);
     if (i + 1 == n || mass_.is_diagonal()) continue;
-    out.off_diagonal[i] += 0.5 * mass_.off_diagonal[j] * (at(j) + at(j + 1));
-    if (skew_) out.skew[i] = 0.5 * mass_.off_diagonal[j] * (at(j + 1) - at(j));
+    const double above = mass_.above(j) * at(j + 1), below = mass_.below(j) * at(j);
+    out.off_diagonal[i] += 0.5 * (above + below);
+    if (skew_) out.skew[i] += 0.5 * (above - below);
   }
   if (!out.end_rows) return;
   for (std::size_t m = 0; m < 3; ++m) {

@@ -107,6 +107,10 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
           "{}: no sensitivity with respect to it: it varies along the bar; give a number in it a name below "
           "[parameters], and take parameters.NAME",
           key));
+  if (const auto section = entries.formula("bar.section");
+      section && (key == "bar.section" || ((parameter || length) && section->derivative(by))))
+    throw std::invalid_argument(
+        fmt::format("{}: no sensitivity with respect to it: the section depends on it; compare two runs", key));
   Direction along = direction(run, parameter ? "bar.density" : key);
   if (!parameter && !length) return along;
   along.key = key;

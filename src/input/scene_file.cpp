@@ -101,6 +101,14 @@ OutputFiles files_of(const SceneEntries& entries) {
   return {named("ends"), named("events"), named("field"), named("energy"), named("report")};
 }
 
+void take_nodes(const SceneEntries& entries, Case& run) {
+  std::vector<double> nodes = entries.numbers("mesh.nodes");
+  if (nodes.size() < 2 || entries.faulty("bar.length")) return;
+  if (!entries.present("mesh.elements")) run.elements = nodes.size() - 1;
+  for (double& node : nodes) node /= run.scene.bar.length;
+  run.nodes = std::make_shared<const std::vector<double>>(std::move(nodes));
+}
+
 // The case that the sound keys make; a faulty one gets a value that does no harm.
 Case case_of(SceneEntries& entries) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
@@ -127,6 +135,8 @@ Case case_of(SceneEntries& entries) {
   scene.displacement_places = places("initial.displacement");
   scene.velocity_places = places("initial.velocity");
   scene.load = load_of(entries, run.scene.bar.length);
+  if (const auto section = entries.formula("bar.section"); section && !entries.faulty("bar.length"))
+    scene.section = section->of_x(), scene.section_places = places("bar.section");
   scene.side = resistance_of(entries);
   scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
                  text("units.stress")};
@@ -134,6 +144,7 @@ Case case_of(SceneEntries& entries) {
   run.elements =
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
   run.grading = number("mesh.grading", 1.0);
+  take_nodes(entries, run);
   if (entries.present("mesh.mass")) run.mass = chosen(entries, "mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
@@ -195,6 +206,22 @@ void check_load_keys(SceneEntries& entries) {
     entries.report("load.density", "is missing: a load has a density, or a profile and a history");
   else if (profile != history)
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
+}
+
+void check_nodes(SceneEntries& entries) {
+  if (!entries.present("mesh.nodes") || entries.faulty("mesh.nodes")) return;
+  const std::vector<double> nodes = entries.numbers("mesh.nodes");
+  const auto fall = std::ranges::adjacent_find(nodes, std::greater_equal{});
+  if (nodes.size() < 2)
+    entries.report("mesh.nodes", "needs both ends of the bar at least, 0 and bar.length");
+  else if (fall != nodes.end())
+    entries.report("mesh.nodes", "must rise, and {} follows {}", fall[1], fall[0]);
+  else if (const auto length = entries.number("bar.length");
+           length && (nodes.front() != 0.0 || nodes.back() != *length))
+    entries.report("mesh.nodes", "must go from 0 to bar.length = {}, and go from {} to {}", *length, nodes.front(),
+                   nodes.back());
+  if (entries.given("mesh.grading"))
+    entries.report("mesh.grading", "does not go with mesh.nodes, which say where elements are small");
 }
 
 void check_side_keys(SceneEntries& entries) {
@@ -359,6 +386,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_laws(entries);
     check_load_keys(entries);
     check_side_keys(entries);
+    check_nodes(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);
     scene.accuracy = accuracy_of(entries, setup);

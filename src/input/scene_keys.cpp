@@ -83,6 +83,7 @@ constexpr SceneKey rows[] = {
     {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
     {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
     {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
+    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "1", "A(x) > 0; absent: 1. Forces are A times stresses", positive, {}, "x"},
 
     {"left.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = 0"},
     {"right.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = L"},
@@ -103,6 +104,7 @@ constexpr SceneKey rows[] = {
 
     {"mesh.elements", count, optional, "", "27", "1", "number of elements of equal length; absent: 100", {1.0, 1e8, "1 to 1e8"}},
     {"mesh.grading", number, optional, "1", "", "1", "ratio of the largest element to the smallest; elements shrink towards obstacles", {1.0, 1e6, "1 to 1e6"}},
+    {"mesh.nodes", numbers, optional, "", "[0.0, 0.1, 0.3, 0.6, 1.0]", "length", "nodes of the mesh, rising from 0 to bar.length; with mesh.elements that many elements along the same lengths", not_negative},
     {"mesh.mass", choice, optional, "", "\"fourth_order\"", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
 
     {"contact.epsilon", number, optional, "", "1e-6", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},

@@ -284,7 +284,7 @@ void ContactWatch::add_extremes(End& end) {
 
 void ContactWatch::watch(EndAccount& account, bool right) {
   const std::size_t n = system_.size(), unknown = bar_.end(right);
-  const double h = bar_.spacing_at(unknown);
+  const double h = bar_.stretch_at(unknown);
   const SymmetricTridiagonal& inertia = bar_.inertia();
   const bool massless = bar_.massless(unknown);
   const std::array<double, 3> row = inertia.end_rows ? inertia.end_rows->row(unknown) : std::array<double, 3>{};

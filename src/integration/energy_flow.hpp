@@ -11,7 +11,7 @@ namespace viscobar {
 /// Dissipated power, load power and power of the mass's end rows at a time, those that the layout has, in its order.
 ///
 /// @param motion_at fills displacements and velocities: motion_at(t, y)
-/// @param accelerations end_values() of the derivative of those velocities: accelerations(t)
+/// @param accelerations row_values() of the derivative of those velocities: accelerations(t)
 /// @param y scratch of layout.size entries
 std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout, double t, auto&& motion_at,
                                   auto&& accelerations, std::span<double> y) {

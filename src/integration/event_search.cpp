@@ -199,7 +199,7 @@ double EventSearch::against(std::size_t i, double t, std::span<const double> y) 
   const std::size_t n = system_.size(), node = system_.contact(i).unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);
   if (system_.changes_by_row(i))
-    return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().spacing_at(node) / system_.bar().bar().modulus;
+    return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
   // The indicator of an undamped node without mass is its neighbour's.
   return system_.closed(i) || system_.bar().massless(node) ? 0.0 : system_.contact(i).sign * w[node];
 }
@@ -234,7 +234,7 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = system_.contact(i).unknown;
-  const double h = system_.bar().spacing_at(node),
+  const double h = system_.bar().stretch_at(node),
                impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
   const std::span<const double> against = against_between(i, from, end);
   const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;

@@ -48,7 +48,7 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
   const ErrorWeights& weights = stepper.weights();
   const double tolerated =
       (bar.modulus * weights.promised_displacement() + bar.viscosity * weights.promised_velocity()) /
-      system.bar().spacing_at(node);
+      system.bar().stretch_at(node);
   // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
   // lateness / m.
   const double lateness =

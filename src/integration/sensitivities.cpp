@@ -139,7 +139,7 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
   const double u = tolerances * weights_->promised_displacement(), w = tolerances * weights_->promised_velocity();
   const std::size_t node = system_.contact(i).unknown;
   if (!opens_by_reaction(i)) return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
-  const double h = bar.spacing_at(node), length = bar.bar().length;
+  const double h = bar.stretch_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
   const double flattest = std::sqrt(2.0 * reaction * h / length * weights_->largest_displacement()) * speed / length;

@@ -132,8 +132,8 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
     for (std::size_t i = 0; i < n; ++i)
       if (beside.diagonal[i] == 0.0) beside.diagonal[i] = 1.0;  // massless
     for (const std::size_t i : unresolved_) {
-      if (i > 0) beside.off_diagonal[i - 1] = 0.0;
-      if (i + 1 < n) beside.off_diagonal[i] = 0.0;
+      if (i > 0) beside.uncouple(i - 1);
+      if (i + 1 < n) beside.uncouple(i);
     }
     const auto rests = [&](std::size_t i) { return std::ranges::find(unresolved_, i) != unresolved_.end(); };
     if (beside.end_rows) beside.end_rows = beside.end_rows->uncoupled(n, rests);
@@ -142,8 +142,8 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
   }
   change_.assign(n, 0.0);
   for (const std::size_t i : unresolved_) {
-    if (i > 0) change_[i - 1] += inertia.off_diagonal[i - 1] * a[i];
-    if (i + 1 < n) change_[i + 1] += inertia.off_diagonal[i] * a[i];
+    if (i > 0) change_[i - 1] += inertia.above(i - 1) * a[i];
+    if (i + 1 < n) change_[i + 1] += inertia.below(i) * a[i];
     if (!inertia.end_rows) continue;
     if (i < 3) change_[0] += inertia.end_rows->first[i] * a[i];
     if (n - 1 - i < 3) change_[n - 1] += inertia.end_rows->last[n - 1 - i] * a[i];
@@ -283,7 +283,10 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
       [&](double t) {
         const double s = (t - begin_.t) / length();
         const Weights second = weights(s, 2);
-        return end_values(layout_.nodes, [&](std::size_t i) { return value(i, s, 2, second); });
+        accelerations_.resize(system_.bar().row_values());
+        row_values(
+            layout_.nodes, [&](std::size_t i) { return value(i, s, 2, second); }, accelerations_);
+        return std::span<const double>(accelerations_);
       },
       inner_, y.subspan(2 * layout_.nodes, layout_.account()));
 }

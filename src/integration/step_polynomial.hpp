@@ -147,7 +147,7 @@ class StepPolynomial {
   std::size_t massless_ = 0;
   double tolerance_ = 0.0;
   std::vector<std::size_t> entries_, selected_;
-  std::vector<double> sampled_, inner_;
+  std::vector<double> sampled_, inner_, accelerations_;
   std::vector<double> defects_;  // of all nodes, once the motion within the step is asked for
   std::optional<Known> known_;
   std::vector<std::size_t> unresolved_, replaced_;  // nodes; of those the factor is

@@ -42,8 +42,9 @@ class LegStepper {
   virtual void interpolate(double t, std::span<double> y) = 0;
   /// Energies of the account at the end of the last step, as the layout has them.
   virtual std::span<const double> account() const = 0;
-  /// end_values() of the accelerations at a time within the last step, for a method with an account_correction().
-  virtual std::array<double, 6> end_accelerations(double /*t*/) { return {}; }
+  /// row_values() of the accelerations at a time within the last step, valid until the next call, for a method with an
+  /// account_correction().
+  virtual std::span<const double> accelerations(double /*t*/) { return {}; }
   /// Which of the entries sample() is to give from now on, by their positions.
   virtual void select(std::span<const std::size_t> sampled) = 0;
   /// Bounds of each entry over the last step, and its value at the end: a bound that is that value is attained there.

@@ -283,7 +283,7 @@ class StepwisePart {
     }
     add_energy_flow<5>(
         system_, layout_, from, to, [&](double t, std::span<double> y) { stepper_.interpolate(t, y); },
-        [&](double t) { return stepper_.end_accelerations(t); }, inner_, shift);
+        [&](double t) { return stepper_.accelerations(t); }, inner_, shift);
     return shift;
   }
 
@@ -476,7 +476,7 @@ class StepwisePart {
   // back, it is one.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
-    const double h = system_.bar().spacing_at(system_.contact(i).unknown);
+    const double h = system_.bar().stretch_at(system_.contact(i).unknown);
     const PenalisedSystem::Collision collision =
         system_.collide(i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h)});
     weights.bounce(i, collision.height);

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "report/scene_check.hpp"
 #include "report/scene_ends.hpp"
 #include "results/file_set.hpp"
 #include "results/output_file.hpp"
@@ -61,14 +62,23 @@ std::string model_html(const Scene& scene) {
   std::string load = "0";
   if (scene.load)
     load = std::holds_alternative<SteadyLoad>(*scene.load) ? "<i>f</i>(<i>x</i>)" : "<i>f</i>(<i>x</i>, <i>t</i>)";
+  const bool varies = static_cast<bool>(scene.section);
+  const std::string stress =
+      varies ? fmt::format("(<i>A</i> (<i>E u<sub>x</sub></i>{}))<sub><i>x</i></sub>",
+                           damped ? " + <i>η u<sub>xt</sub></i>" : "")
+             : fmt::format("<i>E u<sub>xx</sub></i>{}", damped ? " − <i>η u<sub>xxt</sub></i>" : "");
+  const std::string_view area = varies ? "<i>A</i> " : "";
+  const auto side = [&](bool there, std::string_view term) {
+    return there ? fmt::format(" + {}<i>{}</i>", area, term) : "";
+  };
   std::string text = fmt::format(
-      "<i>ρ u<sub>tt</sub></i> − <i>E u<sub>xx</sub></i>{}{}{} = {} on 0 &lt; <i>x</i> &lt; {}, with <i>ρ</i> = {}, "
-      "<i>E</i> = {}{}. "
+      "{}<i>ρ u<sub>tt</sub></i> − {}{}{} = {}{} on 0 &lt; <i>x</i> &lt; {}, with {}<i>ρ</i> = {}, <i>E</i> = {}{}. "
       "Left end {}; right end {}",
-      damped ? " − <i>η u<sub>xxt</sub></i>" : "", scene.side && scene.side->stiffness ? " + <i>k u</i>" : "",
-      scene.side && scene.side->drag ? " + <i>c u<sub>t</sub></i>" : "", load, readable(bar.length),
-      readable(bar.density), readable(bar.modulus), damped ? ", <i>η</i> = " + readable(bar.viscosity) : "",
-      end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
+      area, stress, side(scene.side && scene.side->stiffness, "k u"),
+      side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, readable(bar.length),
+      varies ? "a section " + section_text(scene) + ", " : "", readable(bar.density), readable(bar.modulus),
+      damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left, scene.left_input),
+      end_text(scene.right, scene.right_input));
   for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
                         level.above ? "≤" : "≥", readable(level.u));

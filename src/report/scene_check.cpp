@@ -54,16 +54,27 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
   return text;
 }
 
+namespace {
+
+// Least and largest of(f(x)) along the bar.
+std::string range_along(const Scene& scene, const SpaceFunction& f, auto&& of) {
+  constexpr int places = 200;
+  double least = of(f(0.0)), most = least;
+  for (int j = 1; j <= places; ++j) {
+    const double value = of(f(scene.bar.length * j / places));
+    least = std::min(least, value), most = std::max(most, value);
+  }
+  return least == most ? fmt::format("{:.4g}", most) : fmt::format("{:.4g} to {:.4g}", least, most);
+}
+
+}  // namespace
+
+std::string section_text(const Scene& scene) {
+  return "A = " + range_along(scene, scene.section, [](double area) { return area; });
+}
+
 std::string side_text(const Scene& scene) {
-  const auto range = [&](const SpaceFunction& f, auto&& of) {
-    constexpr int places = 200;
-    double least = of(f(0.0)), most = least;
-    for (int j = 1; j <= places; ++j) {
-      const double value = of(f(scene.bar.length * j / places));
-      least = std::min(least, value), most = std::max(most, value);
-    }
-    return least == most ? fmt::format("{:.4g}", most) : fmt::format("{:.4g} to {:.4g}", least, most);
-  };
+  const auto range = [&](const SpaceFunction& f, auto&& of) { return range_along(scene, f, of); };
   if (!scene.side) return "none";
   const auto& [stiffness, drag] = *scene.side;
   const double rho = scene.bar.density;
@@ -187,7 +198,7 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
     regime.forecast = forecast(system.bar(), mass, *regime.stop, first->speed);
     return;
   }
-  const double h = system.spacing_at(regime.where == Where::left ? 0 : system.size() - 1);
+  const double h = system.stretch_at(regime.where == Where::left ? 0 : system.size() - 1);
   regime.impact = predict_impact(system.bar(), h, regime.effective_mass, epsilon, first->speed);
 }
 
@@ -273,6 +284,7 @@ std::string check_json(const SceneCheck& check) {
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(check.setup))}};
+  if (run.scene.section) json["terms"]["section"] = section_text(run.scene);
   if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))
     if (const auto words = inputs_text(system.bar(), end.condition, end.input); !words.empty())

@@ -39,6 +39,8 @@ std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
 /// The resistance along the bar, with the frequency and the decay that it gives to a bar that moves as a whole.
 std::string side_text(const Scene& scene);
+/// The section that varies, in words.
+std::string section_text(const Scene& scene);
 /// What an end is given and what that adds to the model, a sentence for each.
 std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
 std::string contact_kind(const Setup& setup);

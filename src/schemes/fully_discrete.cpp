@@ -374,7 +374,7 @@ class Run {
     const auto& contacts = step_->contacts();
     const double dt = scheme_.step;
     const auto mass = [&](std::size_t k) {
-      return system_.bar().density * system_.spacing_at(contacts[k].unknown) / 2.0;
+      return system_.bar().density * system_.stretch_at(contacts[k].unknown) / 2.0;
     };
     double size = 0.0;
     for (const double u : step_->u()) size = std::max(size, std::abs(u));
@@ -425,9 +425,15 @@ class Run {
       const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
       energy.dissipated += loss;
       energy.work += loss;
-      const std::array<double, 6> a = accelerations_at_ends();
+      const auto acceleration = [&order = step_->order(), a = step_->acceleration(),
+                                 first = system_.first_node()](std::size_t j) {
+        const std::size_t node = j - first;
+        if (j < first || node >= a.size()) return 0.0;
+        if (node < order.first || node >= order.size() - order.last) return a[node];
+        return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
+      };
       const double of_frame = dt * system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
-                                                          v(false), v(true), a);
+                                                          step_->velocity_at_nodes(), acceleration);
       for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
     }
     const auto& contacts = step_->contacts();
@@ -469,17 +475,6 @@ class Run {
       rows += of_frame;
     }
     energy.end_inertia += rows, energy.dissipated += rows;
-  }
-
-  // Accelerations of the three nodes at either end.
-  std::array<double, 6> accelerations_at_ends() {
-    const LaneOrder& order = step_->order();
-    const std::span<const double> a = step_->acceleration();
-    const auto at = [&](std::size_t node) {
-      if (node < order.first || node >= order.size() - order.last) return a[node];
-      return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
-    };
-    return end_values(a.size(), at);
   }
 
   // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are

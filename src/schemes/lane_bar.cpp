@@ -126,11 +126,11 @@ double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std
   const auto node = [&](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
   double sum = 0.0;
-  if (const Mesh& mesh = system_.mesh(); !mesh.uniform()) {
+  if (!system_.rows_alike()) {
     const std::size_t first = system_.first_node();
-    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / mesh.element(first + i);
-    if (system_.left_fixed()) sum += node(0) * node(0) / mesh.element(0);
-    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / mesh.element(mesh.elements - 1);
+    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / system_.stretch(first + i);
+    if (system_.left_fixed()) sum += node(0) * node(0) / system_.stretch(0);
+    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / system_.stretch(system_.mesh().elements - 1);
     return sum;
   }
   for (std::size_t i = 0; i + 1 < order_.first; ++i) sum += squared(i, i + 1);

@@ -17,7 +17,7 @@ class LaneBar {
   LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {}
 
   /// True if the rows of the bar are alike, and a step can take them side by side.
-  static bool rows_alike(const BarSystem& system) { return system.mesh().uniform() && !system.side(); }
+  static bool rows_alike(const BarSystem& system) { return system.rows_alike() && !system.side(); }
   /// E / h, by which the factor must be scaled: the rows of the force are made per E / h.
   static double stiffness(const BarSystem& system);
 

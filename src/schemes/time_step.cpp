@@ -180,7 +180,7 @@ void TimeStep::settle_massless(const Contact& contact, std::size_t next, double 
     double pull = 0.0;
     if (load_) {
       evaluate_load(t);
-      pull = system_.spacing_at(end) * load_now_[end];
+      pull = system_.stretch_at(end) * load_now_[end];
     }
     return (memory * relaxed + pull) / (memory + bar.modulus);
   };
@@ -342,9 +342,7 @@ bool TimeStep::finite() const {
 }
 
 double TimeStep::end_power() const {
-  if (!system_.inertia().end_rows) return 0.0;
-  const EndRows& rows = *system_.inertia().end_rows;
-  return mean_velocity(0) * rows.first_times(a_) + mean_velocity(a_.size() - 1) * rows.last_times(a_);
+  return system_.inertia().unsymmetric_product([this](std::size_t i) { return mean_velocity(i); }, RowValues{a_});
 }
 
 double TimeStep::dashpot_power() const {

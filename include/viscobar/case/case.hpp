@@ -45,7 +45,9 @@ struct Case {
 
   std::size_t elements = default_elements;  ///< J
   double grading = 1.0;                     ///< of the mesh towards the ends with an obstacle; 1: uniform
-  std::optional<Mass> mass;                 ///< absent: see resolve()
+  /// Nodes of the mesh in parts of the length, see Mesh::given; null: none.
+  std::shared_ptr<const std::vector<double>> nodes;
+  std::optional<Mass> mass;  ///< absent: see resolve()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: see resolve()
   std::optional<double> restitution;  ///< absent: an undamped spring in the penalty, the implicit constraint in (2.8)
@@ -68,10 +70,12 @@ struct Case {
   OutputFiles files;           ///< that are written
   std::vector<double> gauges;  ///< places in [0, L], each once, that gauges.csv is of
 
-  /// graded towards the ends that have an obstacle.
+  /// With the given nodes, or graded towards the ends that have an obstacle.
   Mesh mesh() const {
-    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}};
+    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}, nodes};
   }
+  /// True if no row of the bar differs from the next one.
+  bool rows_alike() const { return grading == 1.0 && !nodes && !scene.section; }
 
   /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
   std::vector<double> output_times() const;

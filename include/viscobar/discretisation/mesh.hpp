@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <vector>
 
 namespace viscobar {
 
@@ -18,38 +20,46 @@ struct Grading {
 ///
 ///     g(s) = s,    or    g(s) = s (2 + (r - 1) s) / (1 + r)    graded towards the left end with ratio r;
 ///
-/// 1 - g(1 - s) towards the right one, g(2 s) / 2 and its mirror image towards both. The nodes of a mesh are nodes of
-/// the one with twice its elements.
+/// 1 - g(1 - s) towards the right one, g(2 s) / 2 and its mirror image towards both; of given nodes, K + 1 of them, g
+/// is piecewise linear with the k-th at s = k / K, so that J = K has those nodes. The nodes of a mesh are nodes of the
+/// one with twice its elements.
 struct Mesh {
   double length = 1.0;       ///< L
   std::size_t elements = 1;  ///< J
   Grading grading{};         ///< none: all elements alike
+  /// Given nodes in parts of L, from 0 to 1 and rising; null: none, and then there may be a grading.
+  std::shared_ptr<const std::vector<double>> given{};
 
   /// True if all elements have the same size.
-  bool uniform() const { return grading.ratio == 1.0 || !(grading.left || grading.right); }
+  bool uniform() const { return !given && (grading.ratio == 1.0 || !(grading.left || grading.right)); }
   /// h = L / J, the mean; the size of all elements of a uniform mesh.
   double spacing() const { return length / static_cast<double>(elements); }
   std::size_t nodes() const { return elements + 1; }  ///< J + 1
 
   /// x_j; the last node is exactly at `length`.
   double node(std::size_t j) const {
-    if (!uniform()) return graded_node(j);
+    if (!uniform()) return given ? given_node(j) : graded_node(j);
     return j == elements ? length : length * (static_cast<double>(j) / static_cast<double>(elements));
   }
 
-  /// x_{j+1} - x_j, without its cancellation.
-  double element(std::size_t j) const { return uniform() ? spacing() : graded_element(j); }
-  /// The smallest element, at a marked end.
-  double smallest() const { return uniform() || grading.left ? element(0) : element(elements - 1); }
+  /// x_{j+1} - x_j, without its cancellation where nodes are not given.
+  double element(std::size_t j) const {
+    if (uniform()) return spacing();
+    return given ? given_node(j + 1) - given_node(j) : graded_element(j);
+  }
+  /// The smallest element; at a marked end, if elements shrink towards one.
+  double smallest() const;
 
  private:
+  double given_node(std::size_t j) const;
   double graded_node(std::size_t j) const;
   double graded_element(std::size_t j) const;
 };
 
 /// True if nodes lie in the same places, in parts of the length.
 inline bool same_nodes(const Mesh& a, const Mesh& b) {
-  return a.elements == b.elements && (a.grading == b.grading || (a.uniform() && b.uniform()));
+  if (a.elements != b.elements || !a.given != !b.given) return false;
+  return a.given ? *a.given == *b.given : a.grading == b.grading || (a.uniform() && b.uniform());
 }
 
 }  // namespace viscobar

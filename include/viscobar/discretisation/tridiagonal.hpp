@@ -42,17 +42,6 @@ struct EndRows {
   }
 };
 
-/// at(i) of the three rows at either end of n, which is all that products with end rows look at: for i = 0, 1, 2, n-3,
-/// n-2, n-1, and within them where there are fewer.
-std::array<double, 6> end_values(std::size_t n, auto&& at) {
-  std::array<double, 6> values{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t inwards = std::min(k, n - 1);
-    values[k] = at(inwards), values[5 - k] = at(n - 1 - inwards);
-  }
-  return values;
-}
-
 /// Tridiagonal matrix A, symmetric but for its end rows and its skew part: A = T + (skew part) + (end rows), T(i,i) =
 /// diagonal[i], T(i,i+1) = T(i+1,i) = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no
 /// end rows and no skew part: nothing is stored or multiplied for what is not there.
@@ -71,6 +60,11 @@ struct SymmetricTridiagonal {
   double below(std::size_t i) const {
     return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i];
   }  ///< likewise
+  /// Makes A(i,i+1) and A(i+1,i) zero, but for end rows.
+  void uncouple(std::size_t i) {
+    off_diagonal[i] = 0.0;
+    if (!skew.empty()) skew[i] = 0.0;
+  }
   /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
   SymmetricTridiagonal& operator*=(double factor);  ///< of all entries
@@ -80,7 +74,40 @@ struct SymmetricTridiagonal {
 
   /// x . T x, of the symmetric part
   double quadratic_form(std::span<const double> x) const;
+
+  /// True if A is not symmetric.
+  bool unsymmetric() const { return end_rows || !skew.empty(); }
+  /// x . (A - T) y of x(i), y(i): of the end rows, where x has its first and last entry, y three at either end, and of
+  /// the skew part, which has all.
+  auto unsymmetric_product(auto&& x, auto&& y) const {
+    const std::size_t n = size();
+    decltype(x(n) * y(n)) sum = 0.0 * y(0);
+    if (end_rows)
+      for (std::size_t k = 0; k < 3; ++k)
+        sum += x(0) * (end_rows->first[k] * y(k)) + x(n - 1) * (end_rows->last[k] * y(n - 1 - k));
+    for (std::size_t i = 0; i < skew.size(); ++i) sum += skew[i] * (x(i) * y(i + 1) - x(i + 1) * y(i));
+    return sum;
+  }
 };
+
+/// Entries of a field over n unknowns that unsymmetric_product() looks at: all of them, or, of a matrix without a skew
+/// part, six: of unknowns 0, 1, 2, n-3, n-2, n-1, and within them where there are fewer.
+struct RowValues {
+  std::span<const double> values;
+  std::size_t n = values.size();
+  double operator()(std::size_t i) const { return i < 3 ? values[i] : values[values.size() - (n - i)]; }
+};
+/// Those of at(i), into `values` of six or n entries.
+void row_values(std::size_t n, auto&& at, std::span<double> values) {
+  if (values.size() == n) {
+    for (std::size_t i = 0; i < n; ++i) values[i] = at(i);
+    return;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t inwards = std::min(k, n - 1);
+    values[k] = at(inwards), values[5 - k] = at(n - 1 - inwards);
+  }
+}
 
 /// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D
 /// U without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four

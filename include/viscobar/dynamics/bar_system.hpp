@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -28,6 +29,8 @@ class LoadError : public std::runtime_error {
   LoadError(double at, const std::string& what) : std::runtime_error(what), time(at) {}
   double time;  ///< at which it is not finite
 };
+
+class VaryingSection;
 
 /// Which obstacle a contact belongs to.
 enum class Where { left, right, span };
@@ -88,9 +91,9 @@ struct Mount {
 ///         = M f(t) - E K u - eta K u' + sum over the ends of (F_e(t) - k_e u - c_e u') e_e,
 ///
 /// less M (k u + c u') of a side that resists (see SideRows), over the nodes that are not fixed, with only the terms
-/// that the scene has. Contact constraints are listed, not
-/// applied: the penalised system and the fully discrete schemes each do that in their way. Below, rho M has the masses
-/// of the ends in it.
+/// that the scene has. M and K are of the functions of VaryingSection where the section varies. Contact constraints are
+/// listed, not applied: the penalised system and the fully discrete schemes each do that in their way. Below, rho M has
+/// the masses of the ends in it.
 ///
 /// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
 /// displacement is u + lift(t), linear in x, so that fixed ends stand still, and
@@ -110,10 +113,15 @@ class BarSystem {
   std::size_t size() const { return inertia_.size(); }             ///< n, number of unknown nodes
   std::size_t first_node() const { return left_fixed() ? 1 : 0; }  ///< mesh node of unknown 0
   const Mesh& mesh() const { return mesh_; }                       ///< that it lives on
-  /// Size of the element at an unknown, on its right but at the last node.
-  double spacing_at(std::size_t unknown) const {
-    return mesh_.element(std::min(unknown + first_node(), mesh_.elements - 1));
+  /// True if no row of K, and none of the mass away from the ends, differs from the next one.
+  bool rows_alike() const { return inverse_spacing_.empty(); }
+  /// int dx / A over an element: its size, where the section does not vary. By A E / (int dx / A) it is a spring.
+  double stretch(std::size_t element) const {
+    return places_.empty() ? mesh_.element(element) : places_[element + 1] - places_[element];
   }
+  double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
+  /// Of the element at an unknown, on its right but at the last node.
+  double stretch_at(std::size_t unknown) const { return stretch(std::min(unknown + first_node(), mesh_.elements - 1)); }
   Mass mass() const { return mass_; }                   ///< how inertia is integrated
   const Bar& bar() const { return bar_; }               ///< its material
   bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
@@ -138,6 +146,12 @@ class BarSystem {
       return j < first ? left : j - first < x.size() ? x[j - first] : right;
     };
   }
+  /// The same of row_values().
+  auto at_nodes(RowValues x) const {
+    return [x, first = first_node()](std::size_t j) { return j < first || j - first >= x.n ? 0.0 : x(j - first); };
+  }
+  /// How many row_values() of the unknowns end_power() asks for.
+  std::size_t row_values() const { return inertia_.skew.empty() && whole_inertia_.skew.empty() ? 6 : size(); }
   /// The same of displacements, fixed ends at theirs.
   auto displacement_at_nodes(std::span<const double> u) const {
     return at_nodes(u, walls_[0].value_or(0.0), walls_[1].value_or(0.0));
@@ -182,8 +196,11 @@ class BarSystem {
   void pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const;
   /// gap(t) after less before a time at which it jumps; else 0.
   double gap_jump(const Contact& contact, double t, double end) const;
-  /// x / L of an unknown, for Lift::at().
-  double share(std::size_t unknown) const { return mesh_.node(unknown + first_node()) / mesh_.length; }
+  /// x / L of a node or an unknown, for Lift::at(); of a section that varies the share of int dx / A.
+  double node_share(std::size_t j) const {
+    return places_.empty() ? mesh_.node(j) / mesh_.length : places_[j] / places_.back();
+  }
+  double share(std::size_t unknown) const { return node_share(unknown + first_node()); }  ///< likewise
   /// Adds the lift to a field over all mesh nodes.
   void add_lift(const Lift& lift, std::span<double> nodal) const;
   /// Energy of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
@@ -203,20 +220,19 @@ class BarSystem {
   /// The power of drag along the bar at velocities w(j) of all nodes.
   double side_lift_loss(const Lift& rate, auto&& w) const {
     if (!side_->has_drag()) return 0.0;
-    return side_->drag_power([&](std::size_t j) { return w(j) + rate.at(mesh_.node(j) / mesh_.length); }) -
-           side_->drag_power(w);
+    return side_->drag_power(moved(rate, w)) - side_->drag_power(w);
   }
   /// Contribution of the frame to SideRows::row_power() of w(j) and u(j).
   double side_lift_power(const Lift& lift, const Lift& rate, auto&& w, auto&& u) const {
-    const auto moved = [this](const Lift& by, const auto& x) {
-      return [this, &by, &x](std::size_t j) { return x(j) + by.at(mesh_.node(j) / mesh_.length); };
-    };
     return side_->row_power(moved(rate, w), moved(lift, u)) - side_->row_power(w, u);
   }
 
-  /// Contribution of the frame to end_power(), of whole_inertia(): of the same velocities, and of accelerations in it.
-  double lift_end_power(const Lift& rate, const Lift& acceleration, double left, double right,
-                        std::span<const double> a) const;
+  /// Contribution of the frame to end_power(), of velocities w(j) and accelerations a(j) of all nodes in it.
+  double lift_end_power(const Lift& rate, const Lift& acceleration, auto&& w, auto&& a) const {
+    if (!whole_inertia_.unsymmetric()) return 0.0;
+    return whole_inertia_.unsymmetric_product(moved(rate, w), moved(acceleration, a)) -
+           whole_inertia_.unsymmetric_product(w, a);
+  }
 
   /// Displacement of a fixed end, in the frame; absent: it is not fixed.
   const std::optional<double>& wall(bool right) const { return walls_[right]; }
@@ -267,7 +283,7 @@ class BarSystem {
   /// The same of velocities w(i), each an array of them at several times, summed up from `sum`.
   template <class Values>
   Values squared_strain_rate(auto&& w, Values sum) const {
-    const double uniform = inverse_spacing_.empty() ? 1.0 / mesh_.spacing() : 0.0;
+    const double uniform = rows_alike() ? 1.0 / mesh_.spacing() : 0.0;
     std::size_t element = 0;
     const auto add = [&](const Values& difference) {
       sum += difference * difference * (inverse_spacing_.empty() ? uniform : inverse_spacing_[element]);
@@ -287,14 +303,16 @@ class BarSystem {
   /// Energy 1/2 w.rho Q w + 1/2 E int u_x^2 + 1/2 sum k_e u_e^2 + SideRows::energy(), the contacts' apart.
   double energy(std::span<const double> u, std::span<const double> w) const;
 
-  /// True if M is not symmetric in the row of an end that may move, so that forces do not do all that changes the
-  /// energy.
+  /// True if M is not symmetric in the row of an end that may move, or between rows, so that forces do not do all that
+  /// changes the energy.
   bool has_end_rows() const {
-    return inertia_.end_rows.has_value() || (moving() && whole_inertia_.end_rows) || (side_ && side_->has_row_power());
+    return inertia_.unsymmetric() || (moving() && whole_inertia_.unsymmetric()) || (side_ && side_->has_row_power());
   }
-  /// w . rho (M - Q) a, the power that the end rows of the mass take at velocity w and acceleration a; of either only
-  /// the three entries at each end count. Of the frame.
-  double end_power(std::span<const double> w, std::span<const double> a) const;
+  /// w . rho (M - Q) a, the power that rows of the mass take at velocity w and acceleration a, which has row_values().
+  /// Of the frame.
+  double end_power(std::span<const double> w, std::span<const double> a) const {
+    return inertia_.unsymmetric_product([w](std::size_t i) { return w[i]; }, RowValues{a, size()});
+  }
 
   /// Initial data at the unknown nodes. Velocities that enter by moments, see SteadyLoad, obey rho M w = rho int phi_i
   /// u_1 over the unknowns, held nodes being at rest, M of the bar alone. Else, on `fourth_order`, where an end is held
@@ -346,19 +364,26 @@ class BarSystem {
   void add_masses();
   std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;
   void start_from(std::vector<double> moments);
-  void stop_fixed_ends(const Scene& scene, double coupling);
+  void stop_fixed_ends(const Scene& scene);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
   void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // likewise
 
+  // A field of all nodes with the frame's motion.
+  auto moved(const Lift& by, const auto& x) const {
+    return [this, &by, &x](std::size_t j) { return x(j) + by.at(node_share(j)); };
+  }
+
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
+  std::shared_ptr<const VaryingSection> section_;     // null: A = 1
+  std::vector<double> places_;                        // int_0^x dx / A of every node; empty without it
   std::array<std::optional<double>, 2> walls_;        // displacement of a fixed end
   std::array<bool, 2> massless_{};                    // the ends
   std::array<std::array<double, 3>, 2> held_rows_{};  // of rho M, of fixed ends, inwards
-  std::vector<double> inverse_spacing_;               // 1/h of every element; empty for a uniform mesh
+  std::vector<double> inverse_spacing_;               // 1 / stretch() of every element; empty if all are alike
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;

@@ -51,15 +51,15 @@ class SideRows {
   template <class Out>
   void subtract(auto&& r, std::size_t first, std::size_t count, Out&& out) const {
     const std::size_t last = mass_.size() - 1;
-    const std::vector<double>& off = mass_.off_diagonal;
+    const bool coupled = !mass_.is_diagonal();
     auto before = first > 0 ? r(first - 1) : r(first);
     auto here = r(first);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t j = first + i;
       auto next = j < last ? r(j + 1) : here;
       out[i] = out[i] - mass_.diagonal[j] * here;
-      if (!off.empty() && j > 0) out[i] = out[i] - off[j - 1] * before;
-      if (!off.empty() && j < last) out[i] = out[i] - off[j] * next;
+      if (coupled && j > 0) out[i] = out[i] - mass_.below(j - 1) * before;
+      if (coupled && j < last) out[i] = out[i] - mass_.above(j) * next;
       before = here;
       here = next;
     }
@@ -101,7 +101,8 @@ class SideRows {
     }
     // The skew part of M diag(c) has none.
     for (std::size_t j = 0; skew_ && has_stiffness() && j < mass_.off_diagonal.size(); ++j)
-      sum += 0.5 * mass_.off_diagonal[j] * (stiffness_[j + 1] - stiffness_[j]) * (w(j) * u(j + 1) - w(j + 1) * u(j));
+      sum += 0.5 * (mass_.above(j) * stiffness_[j + 1] - mass_.below(j) * stiffness_[j]) *
+             (w(j) * u(j + 1) - w(j + 1) * u(j));
     return sum;
   }
 
@@ -117,8 +118,9 @@ class SideRows {
     sum = x_here * y_here * (mass_.diagonal[0] * values[0]);
     for (std::size_t j = 0; j + 1 < values.size(); ++j) {
       const auto x_next = x(j + 1), y_next = y(j + 1);
-      if (!mass_.off_diagonal.empty())
-        sum += (x_here * y_next + x_next * y_here) * (0.5 * mass_.off_diagonal[j] * (values[j] + values[j + 1]));
+      if (!mass_.is_diagonal())
+        sum +=
+            (x_here * y_next + x_next * y_here) * (0.5 * (mass_.above(j) * values[j + 1] + mass_.below(j) * values[j]));
       sum += x_next * y_next * (mass_.diagonal[j + 1] * values[j + 1]);
       x_here = x_next, y_here = y_next;
     }

@@ -12,7 +12,7 @@
 
 namespace viscobar {
 
-/// The bar itself:  rho u_tt - E u_xx - eta u_xxt = f  on 0 < x < length.
+/// The bar itself:  A rho u_tt - (A (E u_x + eta u_xt))_x = A f  on 0 < x < length, A the section of its Scene.
 /// Any consistent set of units; the paper's non-dimensional problem has rho = E = 1, eta = alpha.
 struct Bar {
   double length = 1.0;     ///< L > 0
@@ -170,6 +170,8 @@ struct Scene {
   Units units;                           ///< of its numbers
   Places displacement_places{};          ///< of u_0
   Places velocity_places{};              ///< of u_1
+  SpaceFunction section{};               ///< A(x) > 0; empty: 1, and forces are stresses
+  Places section_places{};               ///< of A
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.

@@ -107,7 +107,7 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
     const Index shared = std::min(load.cols(), result.size());
     if (shared > 0)
       result.head(shared) += load.row(node(c)).head(shared).transpose() *
-                             (system_.spacing_at(penalised_.contact(c).unknown) / system_.bar().modulus);
+                             (system_.stretch_at(penalised_.contact(c).unknown) / system_.bar().modulus);
   } else {
     result = series.row(node(c)).transpose();
   }
@@ -129,7 +129,7 @@ double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& la
   if (!system_.damped() || !massless(c)) return 0.0;
   const Bar& bar = system_.bar();
   const double spring =
-      penalised_.law(c).stiffness * system_.spacing_at(penalised_.contact(c).unknown) * largest.penetration;
+      penalised_.law(c).stiffness * system_.stretch_at(penalised_.contact(c).unknown) * largest.penetration;
   return 8.0 * rounding * (largest.displacement * bar.modulus + spring) / bar.viscosity * tau;
 }
 
@@ -173,7 +173,7 @@ double ContactDistance::cancelled_power(double penetration) const {
   for (std::size_t c = 0; c < penalised_.contact_count(); ++c) {
     if (!system_.damped() || !massless(c) || !penalised_.closed(c)) continue;
     const double force = penalised_.law(c).stiffness * penetration;
-    power += force * force * system_.spacing_at(penalised_.contact(c).unknown) / system_.bar().viscosity;
+    power += force * force * system_.stretch_at(penalised_.contact(c).unknown) / system_.bar().viscosity;
   }
   return power;
 }

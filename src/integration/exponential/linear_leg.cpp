@@ -11,7 +11,7 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
       left_fixed_(system.left_fixed()),
       right_fixed_(system.right_fixed()),
       damped_(system.damped()),
-      uniform_(system.mesh().uniform()),
+      uniform_(system.rows_alike()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)),
@@ -20,11 +20,11 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
   moving_begin_ = system.damped() ? 0 : massive_begin_;
   moving_ = system.damped() ? n_ : massive_end_ - massive_begin_;
 
-  const Mesh& mesh = system.mesh();
+  const std::size_t elements = system.mesh().elements;
   for (std::size_t node = system.first_node(); node <= system.first_node() + system.size(); ++node) {
-    const double h = mesh.element(std::clamp<std::size_t>(node, 1, mesh.elements) - 1);  // beyond an end: any
-    stiffness_.push_back(system.bar().modulus / h);
-    damping_.push_back(system.bar().viscosity / h);
+    const double stretch = system.stretch(std::clamp<std::size_t>(node, 1, elements) - 1);  // beyond an end: any
+    stiffness_.push_back(system.bar().modulus / stretch);
+    damping_.push_back(system.bar().viscosity / stretch);
   }
 
   std::vector<double> nodal(system.mesh().nodes());
@@ -38,6 +38,7 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
 // As TridiagonalFactor does.
 template <class Real>
 void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
+  inertia_ = &inertia;
   end_rows_ = inertia.end_rows;
   const EndRows rows = end_rows_.value_or(EndRows{});
   const Index n = massive_end_ - massive_begin_;
@@ -46,7 +47,7 @@ void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
     Real pivot = Real(inertia.diagonal[massive_begin_ + i]);
     if (end_rows_ && (i == 0 || last)) pivot += i == 0 ? rows.first[0] : rows.last[0];
     if (i > 0 && !inertia.is_diagonal()) {
-      Real below = inertia.off_diagonal[massive_begin_ + i - 1];  // D(i-1,i-1) L(i,i-1)
+      Real below = inertia.below(massive_begin_ + i - 1);  // D(i-1,i-1) L(i,i-1)
       if (end_rows_ && last) below = below + rows.last[1] - rows.last[2] * upper_[n - 3];
       lower_.push_back(below * inverse_pivot_[i - 1]);
       pivot -= below * upper_[i - 1];
@@ -54,9 +55,9 @@ void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
     }
     inverse_pivot_.push_back(1 / pivot);
     if (last || inertia.is_diagonal()) continue;
-    Real right = inertia.off_diagonal[massive_begin_ + i];  // D(i,i) U(i,i+1)
+    Real right = inertia.above(massive_begin_ + i);  // D(i,i) U(i,i+1)
     if (end_rows_ && i == 0) right += rows.first[1];
-    if (end_rows_ && i == 1) right -= inertia.off_diagonal[0] * upper_02_;
+    if (end_rows_ && i == 1) right -= inertia.below(0) * upper_02_;
     upper_.push_back(right * inverse_pivot_[i]);
     if (i == 0) upper_02_ = rows.first[2] * inverse_pivot_[0];
   }
@@ -182,13 +183,8 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::acceleration(const Series& ser
 
 template <class Real>
 Real LinearLeg<Real>::end_power(const Vector& v, const Vector& a) const {
-  if (!end_rows_) return 0;
-  Real first = 0, last = 0;
-  for (Index k = 0; k < 3; ++k) {
-    first += Real(end_rows_->first[static_cast<std::size_t>(k)]) * a[k];
-    last += Real(end_rows_->last[static_cast<std::size_t>(k)]) * a[n_ - 1 - k];
-  }
-  return v[0] * first + v[n_ - 1] * last;
+  const auto entry = [](const Vector& x) { return [&x](std::size_t i) { return x[static_cast<Index>(i)]; }; };
+  return inertia_->unsymmetric_product(entry(v), entry(a));
 }
 
 template <class Real>

@@ -61,7 +61,7 @@ class LinearLeg {
   Real side_power(const Vector& v, const Vector& u) const;
   /// v . rho (M - Q) a, the power of the end rows of the mass; 0 for a mass without.
   Real end_power(const Vector& v, const Vector& a) const;
-  bool has_end_rows() const { return end_rows_.has_value() || (side_ && side_->has_row_power()); }
+  bool has_end_rows() const { return inertia_->unsymmetric() || (side_ && side_->has_row_power()); }
 
  private:
   void factorise(const SymmetricTridiagonal& inertia);
@@ -80,6 +80,7 @@ class LinearLeg {
   std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
   std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
   Real upper_02_ = 0, lower_last_ = 0;               // U(0, 2), L(n-1, n-3), where the mass has end rows
+  const SymmetricTridiagonal* inertia_ = nullptr;    // the system's
   std::optional<EndRows> end_rows_;
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries

@@ -95,7 +95,8 @@ double LoadInterpolation::parts(double t) const {
   const Bar& bar = system_.bar();
   const auto most = [](const Lift& lift) { return std::max(std::abs(lift.left), std::abs(lift.right)); };
   const Lift at = system_.lift(t, 0), rate = system_.lift(t, 1);
-  double force = std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / bar.length;
+  double force =
+      std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
   for (const Mount& mount : system_.mounts()) force += mount.stiffness * most(at) + mount.dashpot * most(rate);
   return force + bar.density * system_.mesh().spacing() * std::sqrt(static_cast<double>(system_.size())) *
                      most(system_.lift(t, 2));

@@ -143,7 +143,7 @@ const MatrixXd& Propagator::response(int level) {
 
 namespace {
 
-// The largest sum of a row's magnitudes, of (rho M)^{-1} with end rows.
+// The largest sum of a row's magnitudes, of (rho M)^{-1}.
 double largest_row_of_inverse(const SymmetricTridiagonal& inertia) {
   const TridiagonalFactor factor(inertia);
   VectorXd sums = VectorXd::Zero(static_cast<Index>(inertia.size()));
@@ -162,7 +162,7 @@ double norm_of_inverse_inertia(const BarSystem& bar) {
   const auto begin = static_cast<Index>(bar.massive_begin());
   const Index count = static_cast<Index>(bar.massive_end()) - begin;
   const SymmetricTridiagonal& inertia = bar.inertia();
-  if (inertia.end_rows) return largest_row_of_inverse(inertia);
+  if (inertia.unsymmetric()) return largest_row_of_inverse(inertia);
   const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
   if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
   const VectorXd off = Eigen::Map<const VectorXd>(inertia.off_diagonal.data() + begin, count - 1);

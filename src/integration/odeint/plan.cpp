@@ -56,7 +56,7 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     double mass = masses[contact.unknown];
     if (mass == 0.0) {
       if (bar.viscosity > 0.0)
-        decay = std::max(decay, (bar.modulus + law.stiffness * system.spacing_at(contact.unknown)) / bar.viscosity);
+        decay = std::max(decay, (bar.modulus + law.stiffness * system.stretch_at(contact.unknown)) / bar.viscosity);
       continue;
     }
     if (contact.where == Where::span && !diagonal) mass = bar.density * contact.weight / 3.0;

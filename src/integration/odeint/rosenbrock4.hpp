@@ -130,7 +130,7 @@ class Rosenbrock4 {
     // A massless node passes the load's effect on its velocity on to its neighbour.
     for (const auto& row : system.relaxing_rows()) {
       out[row.unknown] = row.load_share * load_rate_[row.unknown];
-      a[row.neighbours[0].unknown] += bar.viscosity / system.bar().spacing_at(row.unknown) * out[row.unknown];
+      a[row.neighbours[0].unknown] += bar.viscosity / system.bar().stretch_at(row.unknown) * out[row.unknown];
     }
     system.bar().accelerate(a);
   }

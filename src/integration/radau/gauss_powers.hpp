@@ -21,7 +21,9 @@ class GaussPowers {
  public:
   static constexpr std::size_t points = StepPowers::of_gauss;
 
-  static bool takes(const BarSystem& bar) { return !bar.moving() && !bar.has_massless() && !bar.side(); }
+  static bool takes(const BarSystem& bar) {
+    return !bar.moving() && !bar.has_massless() && !bar.side() && bar.inertia().skew.empty();
+  }
 
   /// @param w velocities where the step begins
   /// @param x the solutions X_k of the step from `begin`, of that length

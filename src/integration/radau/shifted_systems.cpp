@@ -90,11 +90,14 @@ void ShiftedSystems::factorise(double h) {
     Complex pivot, upper, coupling;
   };
   const auto lean = [&](Front& front, std::size_t off, double towards) {
-    const Complex skew = entry(0.0, towards * damping_.skew[off], towards * stiffness_.skew[off]);
+    const auto of = [&](const SymmetricTridiagonal& matrix) {
+      return matrix.skew.empty() ? 0.0 : towards * matrix.skew[off];
+    };
+    const Complex skew = entry(of(mass_), of(damping_), of(stiffness_));
     front.upper = front.upper + skew;
     front.coupling = front.coupling - skew;
   };
-  const bool skew = !stiffness_.skew.empty();
+  const bool skew = !mass_.skew.empty() || !stiffness_.skew.empty();
   const auto row_entry = [&](bool last, std::size_t k) {
     const auto of = [&](const SymmetricTridiagonal& matrix) {
       return !matrix.end_rows ? 0.0 : last ? matrix.end_rows->last[k] : matrix.end_rows->first[k];
@@ -216,11 +219,11 @@ Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::
   Complex inertia = times(mass_.diagonal[i], x[i]);
   Complex sum = right_side - elastic(dashed_[i], bound_[i]) * x[i];
   if (i > 0) {
-    inertia = inertia + times(mass_.off_diagonal[i - 1], x[i - 1]);
+    inertia = inertia + times(mass_.below(i - 1), x[i - 1]);
     sum = sum - elastic(damping_.below(i - 1), stiffness_.below(i - 1)) * (x[i - 1] - x[i]);
   }
   if (i + 1 < n) {
-    inertia = inertia + times(mass_.off_diagonal[i], x[i + 1]);
+    inertia = inertia + times(mass_.above(i), x[i + 1]);
     sum = sum - elastic(damping_.above(i), stiffness_.above(i)) * (x[i + 1] - x[i]);
   }
   if (mass_.end_rows && i == 0)

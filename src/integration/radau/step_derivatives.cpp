@@ -48,10 +48,10 @@ void StepDerivatives::multiply_inertia(std::span<const Complex> x, std::vector<C
     for (std::size_t i = 0; i < n; ++i) out[i] = inertia.diagonal[i] * x[i];
     return;
   }
-  out[0] = inertia.diagonal[0] * x[0] + inertia.off_diagonal[0] * x[1];
+  out[0] = inertia.diagonal[0] * x[0] + inertia.above(0) * x[1];
   for (std::size_t i = 1; i + 1 < n; ++i)
-    out[i] = inertia.off_diagonal[i - 1] * x[i - 1] + inertia.diagonal[i] * x[i] + inertia.off_diagonal[i] * x[i + 1];
-  out[n - 1] = inertia.off_diagonal[n - 2] * x[n - 2] + inertia.diagonal[n - 1] * x[n - 1];
+    out[i] = inertia.below(i - 1) * x[i - 1] + inertia.diagonal[i] * x[i] + inertia.above(i) * x[i + 1];
+  out[n - 1] = inertia.below(n - 2) * x[n - 2] + inertia.diagonal[n - 1] * x[n - 1];
   if (!inertia.end_rows) return;
   for (std::size_t j = 0; j < 3; ++j) {
     out[0] = out[0] + inertia.end_rows->first[j] * x[j];

@@ -302,9 +302,12 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(t, layout_.u(y));
   }
 
-  std::array<double, 6> end_accelerations(double t) override {
+  std::span<const double> accelerations(double t) override {
     const Parts weights = Formula::get().weights((t - begin_t_) / h_, 1);
-    return end_values(layout_.nodes, [&](std::size_t i) { return combined(weights, x_[i]) / h_; });
+    accelerations_.resize(system_.bar().row_values());
+    row_values(
+        layout_.nodes, [&](std::size_t i) { return combined(weights, x_[i]) / h_; }, accelerations_);
+    return accelerations_;
   }
 
   // One part of all nodes behind the other.
@@ -326,7 +329,7 @@ class Stepper final : public LegStepper {
       return energy_flow(
           system_, layout_, middle + s * half,
           [&](double t, std::span<double> inner) { motion_at(t, inner, system_.bar().side()); },
-          [&](double t) { return end_accelerations(t); }, inner_);
+          [&](double t) { return accelerations(t); }, inner_);
     };
     const auto at_gauss = [&] {
       const double length = end_t_ - begin_t_;
@@ -361,6 +364,7 @@ class Stepper final : public LegStepper {
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
   LoadTail load_tail_;
   std::vector<Complex> x_;
+  std::vector<double> accelerations_;            // of a time of the account
   std::vector<double> by_part_;                  // x_ sorted by part; empty until the step is interpolated
   std::vector<std::size_t> entries_, selected_;  // what can be sampled; the positions of what is
   std::vector<double> sampled_, inner_;

@@ -63,10 +63,9 @@ void Multistep::interpolate(double t, std::span<double> y) {
   std::ranges::copy(values(interpolated_), y.begin());
 }
 
-std::array<double, 6> Multistep::end_accelerations(double t) {
+std::span<const double> Multistep::accelerations(double t) {
   call("GetDky", library_.get_dky, t, 1, interpolated_.get());
-  const std::span<const double> a = leg_.layout.w(values(interpolated_));
-  return end_values(a.size(), [a](std::size_t i) { return a[i]; });
+  return leg_.layout.w(values(interpolated_));
 }
 
 std::span<const double> Multistep::sample(double t, int derivative) {

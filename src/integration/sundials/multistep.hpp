@@ -46,7 +46,7 @@ class Multistep : public LegStepper {
   std::span<const double> account() const final {
     return values(state_).subspan(2 * leg_.layout.nodes, leg_.layout.account());
   }
-  std::array<double, 6> end_accelerations(double t) final;
+  std::span<const double> accelerations(double t) final;
   ErrorWeights& weights() final { return weights_; }
 
  protected:

@@ -62,7 +62,7 @@ Plan::Plan(const AccuracyStudy& study)
     Case better = base_;
     better.mass = scene.span ? Mass::lumped : Mass::fourth_order;
     if (penalised_ && study_.request.of != Goal::peak_reaction) better.restitution = 0.0;
-    if ((scene.span || base_.grading == 1.0) && sound(better)) base_ = better;
+    if (sound(better)) base_ = better;
   }
   theory_ = order_in_theory(base_);
   ratio_ = stepping_ ? 2.0 : 10.0;

@@ -82,7 +82,7 @@ std::optional<std::vector<LoadPart>> load_parts(const Case& run, Mass mass, std:
 
 std::optional<Pattern> Members::pattern_of(const Case& run) const {
   const Scene& scene = run.scene;
-  if (scene.span || scene.side || run.impact != Impact::paoli_schatzman) return std::nullopt;
+  if (scene.span || scene.side || scene.section || run.impact != Impact::paoli_schatzman) return std::nullopt;
   Scene unit = scene;
   unit.bar = {1.0, 1.0, 1.0, 1.0};
   unit.displacement = unit.velocity = [](double) { return 0.0; };
@@ -105,7 +105,7 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
   const BarSystem system(unit, mesh, mass_);
   pattern.inertia = system.inertia();
   const std::size_t n = system.size(), first = system.first_node();
-  if (n < 4) return std::nullopt;
+  if (n < 4 || !pattern.inertia.skew.empty()) return std::nullopt;
   pattern.stretch.assign(n + 1, 0.0);
   for (std::size_t i = 0; i <= n; ++i)
     if (i + first > 0 && i + first <= mesh.elements) pattern.stretch[i] = 1.0 / mesh.element(i + first - 1);

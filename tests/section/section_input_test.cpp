@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+std::string scene_text(const std::string& bar, const std::string& mesh, const std::string& more = "") {
+  return fmt::format(
+      "[bar]\nlength = 2.0\n{}\n[right]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+      "-1.0\n[time]\nend = 1.0\n[mesh]\n{}\n{}",
+      bar, mesh, more);
+}
+
+std::string complaint(const std::string& text) {
+  try {
+    (void)parse_scene(text, "");
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SectionInput, SaysWhatIsWrongWithASection) {
+  const auto says = [](const std::string& text, const std::string& words) {
+    EXPECT_NE(complaint(text).find(words), std::string::npos) << complaint(text);
+  };
+  says(scene_text("section = \"1-x\"", "elements = 20"), "bar.section: must be finite and positive, is 0 at x = 1");
+  says(scene_text("section = 0.0", "elements = 20"), "bar.section");
+  says(scene_text("section = \"1+x\"", "mass = \"paper\""), "bar.section: does not fit the mass \"paper\"");
+  for (const char* method : {"characteristics", "finite_difference"})
+    says(scene_text("section = \"1+x\"", "elements = 20", fmt::format("[method]\nname = \"{}\"\n", method)),
+         "bar.section: ");
+}
+
+TEST(SectionInput, SaysWhatIsWrongWithNodes) {
+  const auto says = [](const std::string& mesh, const std::string& words) {
+    EXPECT_NE(complaint(scene_text("viscosity = 0.1", mesh)).find(words), std::string::npos)
+        << complaint(scene_text("viscosity = 0.1", mesh));
+  };
+  says("nodes = [0.0]", "mesh.nodes: needs both ends of the bar");
+  says("nodes = [0.0, 0.5, 0.5, 2.0]", "mesh.nodes: must rise, and 0.5 follows 0.5");
+  says("nodes = [0.0, 0.5, 1.0]", "mesh.nodes: must go from 0 to bar.length = 2, and go from 0 to 1");
+  says("nodes = [0.0, 0.5, 2.0]\ngrading = 2.0", "mesh.grading: does not go with mesh.nodes");
+  says("nodes = [0.0, 0.1, 0.9, 2.0]\nmass = \"fourth_order\"", "takes elements of at most 3 times their neighbours");
+}
+
+TEST(SectionInput, ChoosesTheMassByTheElements) {
+  const auto resolved = [](const std::string& mesh) {
+    return resolve(parse_scene(scene_text("viscosity = 0.1", mesh), "").run);
+  };
+  EXPECT_EQ(resolved("nodes = [0.0, 0.3, 1.0, 2.0]").mass, Mass::fourth_order);
+  EXPECT_EQ(resolved("nodes = [0.0, 0.1, 0.9, 2.0]").mass, Mass::redistributed);
+  const auto fine = resolved("nodes = [0.0, 0.3, 1.0, 2.0]\nelements = 6");
+  for (const auto& [j, x] : {std::pair<std::size_t, double>{0, 0.0}, {1, 0.15}, {2, 0.3}, {4, 1.0}, {5, 1.5}, {6, 2.0}})
+    EXPECT_NEAR(fine.mesh.node(j), x, 1e-15) << j;
+}
+
+// Derivatives of this motion, which central differences of whole runs have as well.
+TEST(SectionSensitivity, IsThatOfTheRun) {
+  for (const char* method : {"rigid", "cvode"})
+    for (const auto& [key, value] :
+         {std::pair{"bar.modulus", 1.0}, {"bar.viscosity", 0.1}, {"bar.density", 1.0}, {"right.gap", 0.1}}) {
+      const auto run = [&](double at) {
+        const std::string text = scene_text(
+            "viscosity = 0.1\nsection = \"exp(-x)\"", "elements = 30",
+            fmt::format("[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\n[contact]\nepsilon = 0.01\n", method));
+        Case found = parse_scene(text, "").run;
+        if (std::string(key) == "bar.modulus") found.scene.bar.modulus = at;
+        if (std::string(key) == "bar.viscosity") found.scene.bar.viscosity = at;
+        if (std::string(key) == "bar.density") found.scene.bar.density = at;
+        if (std::string(key) == "right.gap") std::get<Obstacle>(found.scene.right).gap = at;
+        return found;
+      };
+      Case sensitive = run(value);
+      sensitive.directions.push_back(direction(sensitive, key));
+      const Recording here = record(sensitive), low = record(run(value * 0.9999)), high = record(run(value * 1.0001));
+      const double quotient = (high.u.back() - low.u.back()) / (2e-4 * value);
+      EXPECT_NEAR(here.sensitivities.at(0).u.back(), quotient, 1e-4 * (1.0 + std::abs(quotient))) << method << key;
+    }
+}
+
+}  // namespace
+}  // namespace viscobar

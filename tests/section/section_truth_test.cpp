@@ -1,0 +1,294 @@
+// Bars of varying section and given meshes, against closed forms; docs/sections.md derives what is claimed.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "discretisation/varying_section.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/discretisation/mass.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+using Eigen::Index;
+using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
+
+MatrixXd dense(const SymmetricTridiagonal& matrix) {
+  const auto n = static_cast<Index>(matrix.size());
+  MatrixXd full(n, n);
+  std::vector<double> unit(matrix.size()), column(matrix.size());
+  for (Index j = 0; j < n; ++j) {
+    std::ranges::fill(unit, 0.0);
+    unit[static_cast<std::size_t>(j)] = 1.0;
+    matrix.multiply(unit, column);
+    for (Index i = 0; i < n; ++i) full(i, j) = column[static_cast<std::size_t>(i)];
+  }
+  return full;
+}
+
+// Sizes that repeat, over [0, 1].
+Mesh repeated(std::size_t elements, std::vector<double> sizes) {
+  std::vector<double> nodes{0.0};
+  for (std::size_t j = 0; j < elements; ++j) nodes.push_back(nodes.back() + sizes[j % sizes.size()]);
+  for (double& node : nodes) node /= nodes.back();
+  Mesh mesh{1.0, elements};
+  mesh.given = std::make_shared<const std::vector<double>>(std::move(nodes));
+  return mesh;
+}
+
+TEST(SectionRows, OfSectionOneOnAUniformMeshAreThoseOfTheBar) {
+  const Mesh mesh{1.5, 7};
+  const VaryingSection one([](double) { return 1.0; }, {}, mesh);
+  for (const Mass mass : {Mass::consistent, Mass::lumped, Mass::redistributed, Mass::fourth_order})
+    EXPECT_LT((dense(inertia_matrix(mesh, mass, true, true, &one)) - dense(inertia_matrix(mesh, mass, true, true)))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-15)
+        << name(mass);
+}
+
+// A row is int A phi_i a dx, exact for parabolas in s: moments by an adaptive formula of other points.
+TEST(SectionRows, AreExactForParabolasInS) {
+  const auto area = [](double x) { return std::exp(x) * (2.0 - x); };
+  Mesh mesh = repeated(7, {1.0, 2.0, 3.0});
+  mesh.length = 1.3;
+  const VaryingSection section(area, {}, mesh);
+  // s by Simpson's rule on so many parts that its error is rounding.
+  const auto simpson = [](double from, double to, auto&& f) {
+    constexpr int parts = 400;
+    const double h = (to - from) / parts;
+    double sum = 0.0;
+    for (int k = 0; k < parts; ++k)
+      sum += h / 6 * (f(from + h * k) + 4 * f(from + h * (k + 0.5)) + f(from + h * (k + 1)));
+    return sum;
+  };
+  const auto s = [&](double x) { return simpson(0.0, x, [&](double at) { return 1.0 / area(at); }); };
+  const MatrixXd rows = dense(mass_matrix(mesh, Mass::fourth_order, &section));
+  for (const int power : {0, 1, 2})
+    for (std::size_t i = 0; i < mesh.nodes(); ++i) {
+      long double row = 0.0L;
+      double moment = 0.0;
+      for (std::size_t j = 0; j < mesh.nodes(); ++j)
+        row += rows(static_cast<Index>(i), static_cast<Index>(j)) * std::pow(s(mesh.node(j)), power);
+      for (const bool right : {false, true}) {
+        if (right ? i == mesh.elements : i == 0) continue;
+        const double a = mesh.node(right ? i : i - 1), b = mesh.node(right ? i + 1 : i), s_a = s(a), s_b = s(b);
+        moment += simpson(a, b, [&](double x) {
+          const double at = s(x), share = (at - s_a) / (s_b - s_a);
+          return area(x) * (right ? 1.0 - share : share) * std::pow(at, power);
+        });
+      }
+      EXPECT_NEAR(static_cast<double>(row), moment, 1e-11) << power << " " << i;
+    }
+}
+
+TEST(SectionRows, PullAsTheStressOfAnyFieldDoes) {
+  Scene scene;
+  scene.bar = {1.0, 1.3, 0.7, 0.0};
+  scene.left = Free{}, scene.right = Free{};
+  scene.displacement = scene.velocity = [](double) { return 0.0; };
+  scene.section = [](double x) { return (1.0 + x) * (1.0 + x); };
+  const BarSystem system(scene, repeated(6, {1.0, 3.0, 2.0}), Mass::consistent);
+  // E A u_x of u is q(x) = x (1 - x), which is 0 at free ends: rows are the differences of the mean of q weighted by
+  // 1 / A, that is int q / A dx / s_e, for any u.
+  const auto u = [](double x) {  // int q / (E A) dx in closed form
+    const double y = 1.0 + x;
+    return (-y + 3.0 * std::log(y) + 2.0 / y) / 0.7;
+  };
+  std::vector<double> nodal, still(7, 0.0), force(7);
+  for (std::size_t j = 0; j <= 6; ++j) nodal.push_back(u(system.mesh().node(j)));
+  system.internal_force(nodal, still, force);
+  double before = 0.0;
+  for (std::size_t j = 0; j <= 6; ++j) {
+    double next = 0.0;
+    if (j < 6) {
+      const double a = system.mesh().node(j), b = system.mesh().node(j + 1);
+      next = 0.7 * (u(b) - u(a)) / (1.0 / (1.0 + a) - 1.0 / (1.0 + b));
+    }
+    EXPECT_NEAR(force[j], next - before, 1e-14) << j;
+    before = next;
+  }
+}
+
+// omega of modes of rho M u'' + E K u = 0, in rising order; the largest imaginary part of their squares beside them.
+std::pair<std::vector<double>, double> frequencies(const Scene& scene, const Mesh& mesh, Mass mass) {
+  const BarSystem system(scene, mesh, mass);
+  SymmetricTridiagonal stiffness;
+  system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
+  const MatrixXd matrix = dense(system.inertia()).inverse() * dense(stiffness);
+  const auto values = matrix.eigenvalues();
+  std::vector<double> found;
+  double imaginary = 0.0;
+  for (Index k = 0; k < values.size(); ++k) {
+    found.push_back(std::sqrt(std::max(0.0, static_cast<double>(values[k].real()))));
+    imaginary = std::max(imaginary, std::abs(static_cast<double>(values[k].imag())));
+  }
+  std::ranges::sort(found);
+  return {found, imaginary};
+}
+
+Scene fixed_free(SpaceFunction section) {
+  Scene scene;
+  scene.left = Fixed{}, scene.right = Free{};
+  scene.displacement = scene.velocity = [](double) { return 0.0; };
+  scene.section = std::move(section);
+  return scene;
+}
+
+std::vector<double> orders(const std::vector<double>& errors) {
+  std::vector<double> found;
+  for (std::size_t k = 1; k < errors.size(); ++k) found.push_back(std::log2(errors[k - 1] / errors[k]));
+  return found;
+}
+
+// A = exp(2x): u = exp(-x) sin kx with tan k = k, omega^2 = k^2 + 1, and u = x exp(-x), omega = 1. A = (1+x)^2:
+// u = sin(omega x) / (1+x), tan omega = 2 omega.
+TEST(SectionFrequencies, OfHornAndConeHaveOrderFour) {
+  struct Bar {
+    SpaceFunction section;
+    double first, second;
+  };
+  for (const auto& [section, first, second] :
+       {Bar{[](double x) { return std::exp(2.0 * x); }, 1.0, 4.6033388487517},
+        Bar{[](double x) { return (1.0 + x) * (1.0 + x); }, 1.16556118520721, 4.60421677720057}})
+    for (const double ratio : {1.0, 3.0}) {
+      std::vector<double> of_first, of_second, of_consistent;
+      for (const std::size_t elements : {20u, 40u, 80u}) {
+        const Mesh mesh{1.0, elements, {ratio, true, false}};
+        const auto [modes, imaginary] = frequencies(fixed_free(section), mesh, Mass::fourth_order);
+        EXPECT_LT(imaginary, 1e-9 * modes.back() * modes.back());
+        of_first.push_back(std::abs(modes[0] - first)), of_second.push_back(std::abs(modes[1] - second));
+        of_consistent.push_back(std::abs(frequencies(fixed_free(section), mesh, Mass::consistent).first[0] - first));
+      }
+      for (const double order : orders(of_first)) EXPECT_NEAR(order, 4.0, 0.15) << ratio;
+      for (const double order : orders(of_consistent)) EXPECT_NEAR(order, 2.0, 0.1) << ratio;
+      // Errors of the second change sign on the way; (omega h)^4 of the largest element is their size.
+      EXPECT_LT(of_second.back(), second * std::pow(second * 2.0 * ratio / (1.0 + ratio) / 80.0, 4) / 50.0) << ratio;
+    }
+}
+
+// Three nodes a row: order 4 where sizes change smoothly, 3 where they repeat 1, 2, 3, whose sum of h1 h2 (h1^2 - h2^2)
+// over a period is not 0.
+TEST(SectionFrequencies, OnAGivenMeshHaveOrderThree) {
+  std::vector<double> errors;
+  for (const std::size_t elements : {24u, 48u, 96u, 192u})
+    errors.push_back(
+        std::abs(frequencies(fixed_free({}), repeated(elements, {1.0, 2.0, 3.0}), Mass::fourth_order).first[0] -
+                 std::numbers::pi / 2));
+  for (const double order : orders(errors)) EXPECT_NEAR(order, 3.0, 0.35);
+  EXPECT_LT(errors[1], 6e-8);  // accuracy is not only a matter of order
+}
+
+// A = 1 and then r: cos(omega b) cos(omega (1 - b)) = r sin(omega b) sin(omega (1 - b)).
+TEST(SectionFrequencies, OfAStepInsideAnElementConvergeFasterThanOrderTwo) {
+  static constexpr double at = 0.5371, ratio = 4.0, exact = 0.9290754617;
+  Scene scene = fixed_free([](double x) { return x < at ? 1.0 : ratio; });
+  scene.section_places.breaks = [](double after, double until) -> std::optional<double> {
+    return after < at && at < until ? std::optional(at) : std::nullopt;
+  };
+  for (const std::size_t elements : {48u, 96u, 192u}) {
+    const double error = std::abs(frequencies(scene, {1.0, elements}, Mass::fourth_order).first[0] - exact);
+    EXPECT_LT(error, 0.02 * std::pow(static_cast<double>(elements), -3.0)) << elements;
+  }
+}
+
+// Real and not negative: else a mode of an elastic bar grows.
+TEST(SectionFrequencies, AreRealForElementsThatFitTheMass) {
+  std::mt19937 random(44);
+  const auto number = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int scenes = 0; scenes < 300; ++scenes) {
+    const std::size_t elements = 3 + random() % 22;
+    const double a = number(-1.0, 1.0), b = number(0.0, 0.5), c = number(1.0, 9.0);
+    Scene scene = fixed_free([=](double x) { return std::exp(a * x + b * std::sin(c * x)); });
+    if (scenes % 3 == 0) scene.left = Free{};
+    if (scenes % 2 == 0) scene.right = Fixed{};
+    std::vector<double> sizes{1.0};
+    while (sizes.size() < elements) sizes.push_back(sizes.back() * std::exp(number(-1.0, 1.0)));  // e < 3
+    const auto [modes, imaginary] = frequencies(scene, repeated(elements, sizes), Mass::fourth_order);
+    EXPECT_LT(imaginary, 1e-8 * modes.back() * modes.back()) << scenes;
+  }
+}
+
+// With w = (2 - x) u the bar of section (2 - x)^2, held at x = 0, is one of section 1 with a spring E and a dashpot eta
+// at x = 1, whose reaction there is the same; a load f becomes (2 - x) f, a motion d of the held end 2 d, and what
+// resists along the bar stays.
+std::string cone(std::size_t elements, const std::string& method, const std::string& more, bool transformed,
+                 bool moved = false) {
+  const auto data = [&](const std::string& f) { return transformed ? "(2-x)*(" + f + ")" : f; };
+  const std::string motion = moved ? fmt::format("motion = \"{}*(1-cos(3*t))\"\n", transformed ? 0.06 : 0.03) : "";
+  return fmt::format(
+      "[bar]\nlength = 1.0\ndensity = 1.1\nmodulus = 0.9\nviscosity = 0.2\n{}[left]\nkind = \"fixed\"\n{}[right]\n"
+      "kind = \"obstacle\"\ngap = 0.05\n{}[initial]\ndisplacement = \"{}\"\nvelocity = \"{}\"\n[load]\ndensity = "
+      "\"{}\"\n[side]\nstiffness = 0.7\ndrag = 0.3\n[time]\nend = 2.4\n[mesh]\nelements = {}\nmass = "
+      "\"fourth_order\"\n[method]\nname = \"{}\"\n{}[output]\nevery = 0.2\n",
+      transformed ? "" : "section = \"(2-x)^2\"\n", motion, transformed ? "stiffness = 0.9\ndashpot = 0.2\n" : "",
+      data("0.02*x*x*(3-2*x)"), data("-x*x*(3-2*x)"), data("-x*exp(-t)"), elements, method, more);
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
+  return most;
+}
+
+TEST(SectionContact, OfAConeIsThatOfTheBarThatItIsTransformedInto) {
+  const std::string tolerance = "relative_tolerance = 1e-11\n";
+  for (const bool moved : {false, true}) {
+    const Recording truth = record(parse_scene(cone(320, "rigid", tolerance, true, moved), "").run);
+    ASSERT_GE(truth.events.size(), 2u);
+    std::vector<double> displacement, times;
+    for (const std::size_t elements : {20u, 40u, 80u}) {
+      const Recording run = record(parse_scene(cone(elements, "rigid", tolerance, false, moved), "").run);
+      ASSERT_EQ(run.events.size(), truth.events.size());
+      std::vector<double> ends, of_truth;
+      for (std::size_t k = 0; k < run.times.size(); ++k)
+        ends.push_back(run.displacement(k).back()), of_truth.push_back(truth.displacement(k).back());
+      displacement.push_back(largest_difference(ends, of_truth));
+      double late = 0.0;
+      for (std::size_t k = 0; k < run.events.size(); ++k)
+        late = std::max(late, std::abs(run.events[k].time - truth.events[k].time));
+      times.push_back(late);
+      const EnergyAccount& energy = *run.statistics.energy;
+      EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-10) << elements;
+      EXPECT_NEAR(run.statistics.account->right.impulse, truth.statistics.account->right.impulse,
+                  40.0 / std::pow(elements, 4))
+          << elements;
+    }
+    for (const double order : orders(displacement)) EXPECT_NEAR(order, 4.0, 0.4) << moved;
+    for (const double order : orders(times)) EXPECT_NEAR(order, 4.0, 0.5) << moved;
+  }
+}
+
+// The transformed bar on as many elements differs by O(h^4): methods agree with it to that.
+TEST(SectionContact, OfAConeIsTheSameInEveryMethod) {
+  const std::string tolerance = "relative_tolerance = 1e-8\n";
+  const std::string stiff = tolerance + "[contact]\nepsilon = 1e-4\n";
+  for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
+    const Recording run = record(parse_scene(cone(40, method, stiff, false), "").run);
+    const Recording same = record(parse_scene(cone(40, method, stiff, true), "").run);
+    ASSERT_EQ(run.events.size(), same.events.size()) << method;
+    for (std::size_t k = 0; k < run.times.size(); ++k)
+      EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 2e-5) << method;
+    const EnergyAccount& energy = *run.statistics.energy;
+    EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-7) << method;
+  }
+  const Recording run = record(parse_scene(cone(40, "fully_discrete", "step = 1e-4\n", false), "").run);
+  const Recording same = record(parse_scene(cone(40, "fully_discrete", "step = 1e-4\n", true), "").run);
+  for (std::size_t k = 0; k < run.times.size(); ++k)
+    EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 2e-5);
+  const EnergyAccount& energy = *run.statistics.energy;
+  EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-12);
+}
+
+}  // namespace
+}  // namespace viscobar
