@@ -199,8 +199,9 @@ TEST_F(Resume, AnInterruptWithoutAScheduleLeavesACheckpointWhereItIs) {
 }
 
 TEST_F(Resume, AQuietStudyThatIsInterruptedSaysSoAndKeepsWhatItFound) {
-  Process process(scratch.path(), {"limit", "thrown.toml", "--quiet", "--set", "mesh.elements=200", "-o", "study"});
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  Process process(scratch.path(), {"limit", "thrown.toml", "--quiet", "--set", "mesh.elements=400", "-o", "study"});
+  while (!fs::exists(scratch / "study/.viscobar.lock") && !process.ended())
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   process.signal(SIGINT);
   ASSERT_EQ(process.wait(), 130) << err();
   EXPECT_NE(err().find("interrupted"), std::string::npos) << err();
