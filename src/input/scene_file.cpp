@@ -153,8 +153,6 @@ Case case_of(SceneEntries& entries) {
   const bool local = entries.text("method.error_control") == "local";
   run.tolerance = {number("method.relative_tolerance", Tolerance{}.relative),
                    entries.number("method.absolute_tolerance"), local ? ErrorControl::local : ErrorControl::global};
-  const auto formulas = entries.text("method.formulas");
-  run.formulas = formulas == "adams" ? Formulas::adams : formulas == "bdf" ? Formulas::bdf : Formulas::automatic;
   run.stepper = chosen(entries, "method.stepper", all_steppers, Stepper::automatic);
   run.impact = entries.text("method.impact") == "moreau" ? Impact::moreau : Impact::paoli_schatzman;
   run.start = entries.text("method.start") == "second_order" ? Start::second_order : Start::first_order;

@@ -69,11 +69,6 @@ constexpr std::string_view of_restitution =
     "instead of the damping of hunt_crossley: what is left of the speed of a lone mass that comes at contact.speed";
 constexpr std::string_view of_speed =
     "of an impact after which hunt_crossley leaves contact.restitution of it, instead of a damping";
-constexpr Choice formulas[] = {
-    {"automatic", "chosen leg by leg, by the bar's stiffness"},
-    {"adams", "Adams-Moulton, for bars that are not stiff"},
-    {"bdf", "backward differentiation, for stiff ones"},
-};
 
 // The choices of ends, masses and methods, and the numbers of the ends, come from their own tables.
 constexpr SceneKey rows[] = {
@@ -118,7 +113,6 @@ constexpr SceneKey rows[] = {
     {"method.relative_tolerance", number, optional, "1e-6", "", "1", "adaptive methods: error allowed, relative to the largest displacement and velocity", {1e-15, 0.1, ">= 1e-15, <= 0.1"}},
     {"method.absolute_tolerance", number, optional, "", "1e-9", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
-    {"method.formulas", choice, optional, "\"automatic\"", "", "", "multistep formulas of cvode", {}, formulas},
     {"method.stepper", choice, optional, "\"automatic\"", "", "", "formulas of odeint", {}, steppers},
     {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c)", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
