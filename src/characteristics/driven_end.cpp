@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "characteristics/gauss_legendre.hpp"
+#include "discretisation/gauss.hpp"
 #include "dynamics/finite_load.hpp"
 
 namespace viscobar::characteristics {
@@ -77,7 +77,7 @@ DrivenEnd::Flow DrivenEnd::flow(const End& end, const Piecewise& moved, double u
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const bool held = end.held_at(middle);
     const Chebyshev answer = moved.on(j, from, to);
-    for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
+    for (const auto [node, weight] : gauss(Chebyshev::most_terms)) {
       const double s = middle + half * node, frame = velocity.value(s), answered = answer(node);
       const double v = held ? frame : answered + frame;
       const double share = half * weight * passage_ * impedance_;

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "characteristics/gauss_legendre.hpp"
 #include "characteristics/load_gain.hpp"
 
 namespace viscobar::characteristics {
@@ -17,10 +16,10 @@ namespace {
 
 // Clenshaw and Curtis' formula with 17 points, exact to degree 17. Its points include the ends: what breaks close to
 // them would pass between the points of Gauss' formula.
-std::span<const GaussNode> clenshaw_curtis() {
-  static const std::array<GaussNode, 17> formula = [] {
+std::span<const GaussPoint> clenshaw_curtis() {
+  static const std::array<GaussPoint, 17> formula = [] {
     constexpr std::size_t n = 16;
-    std::array<GaussNode, n + 1> list;
+    std::array<GaussPoint, n + 1> list;
     for (std::size_t k = 0; k <= n; ++k) {
       const double angle = std::numbers::pi * static_cast<double>(k) / n;
       double sum = 1.0;

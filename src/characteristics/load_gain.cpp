@@ -3,7 +3,7 @@
 #include <array>
 #include <variant>
 
-#include "characteristics/gauss_legendre.hpp"
+#include "discretisation/gauss.hpp"
 
 namespace viscobar::characteristics {
 
@@ -118,7 +118,7 @@ class SeparableGain final : public LoadGain {
       const double half = 0.5 * (to - r), middle = 0.5 * (to + r);
       if (half > 0.0) {
         const Chebyshev p = profile_.polynomial(i), h = history.polynomial(j);
-        const std::span<const GaussNode> formula = gauss_legendre((p.terms() + h.terms()) / 2 + 1);
+        const std::span<const GaussPoint> formula = gauss((p.terms() + h.terms()) / 2 + 1);
         std::array<double, Chebyshev::most_places> of_p, of_h, values_p, values_h;
         const std::size_t count = formula.size();
         for (std::size_t k = 0; k < count; ++k) {

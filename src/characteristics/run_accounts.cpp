@@ -2,8 +2,8 @@
 #include <tuple>
 #include <utility>
 
-#include "characteristics/gauss_legendre.hpp"
 #include "characteristics/run.hpp"
+#include "discretisation/gauss.hpp"
 
 namespace viscobar::characteristics {
 
@@ -17,7 +17,7 @@ double integral(std::vector<double> breaks, auto&& f, std::size_t points = 36) {
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
     const double half = 0.5 * (breaks[k + 1] - breaks[k]), middle = 0.5 * (breaks[k + 1] + breaks[k]);
     if (!(half > 0.0)) continue;
-    for (const auto [node, weight] : gauss_legendre(points)) sum += half * weight * f(middle + half * node);
+    for (const auto [node, weight] : gauss(points)) sum += half * weight * f(middle + half * node);
   }
   return sum;
 }
@@ -84,7 +84,7 @@ double Run::arrived_work(const Piecewise& sent, const Piecewise& gain, double un
   for_common_pieces(sent, gain, until, [&](double from, double to, std::size_t i, std::size_t j) {
     const Chebyshev w = sent.polynomial(i), g = gain.polynomial(j);
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    for (const auto [node, weight] : gauss_legendre(Chebyshev::most_terms)) {
+    for (const auto [node, weight] : gauss(Chebyshev::most_terms)) {
       const double s = middle + half * node, gained = g(gain[j].z(s));
       sum += half * weight * gained * (2.0 * w(sent[i].z(s)) + gained);
     }

@@ -1,22 +1,20 @@
 #include "discretisation/varying_section.hpp"
 
 #include <algorithm>
-#include <boost/math/quadrature/gauss.hpp>
 #include <limits>
 #include <utility>
+
+#include "discretisation/gauss.hpp"
 
 namespace viscobar {
 
 // Calls add(x, weight) for the points of a formula for int f dx.
 template <class Add>
 void VaryingSection::visit(double from, double to, Add&& add) const {
-  using Gauss = boost::math::quadrature::gauss<double, 10>;
   for (auto next = std::ranges::upper_bound(breaks_, from); from < to;) {
     const double until = next == breaks_.end() ? to : std::min(*next++, to);
     const double half = 0.5 * (until - from), middle = from + half;
-    for (std::size_t k = 0; k < Gauss::abscissa().size(); ++k)
-      for (const double sign : {-1.0, 1.0})
-        add(middle + sign * half * Gauss::abscissa()[k], half * Gauss::weights()[k]);
+    for (const auto [node, weight] : gauss(10)) add(middle + half * node, half * weight);
     from = until;
   }
 }

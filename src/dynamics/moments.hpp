@@ -1,11 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
 
+#include "discretisation/gauss.hpp"
 #include "discretisation/varying_section.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
@@ -19,8 +19,6 @@ namespace viscobar {
 template <class Function, class Next, class Add>
 void add_moments(const Mesh& mesh, Mass mass, const VaryingSection* section, std::size_t first, std::size_t last,
                  Function&& f, Next&& next, Add&& add) {
-  constexpr std::array places = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-  constexpr std::array weights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * mesh.length, end = mesh.node(last);
   std::size_t searches = 1000 + 2 * mesh.elements;  // without end where breaks have a limit, as those of sin(1/x) > 0
   const auto search = [&](double after) {
@@ -33,10 +31,11 @@ void add_moments(const Mesh& mesh, Mass mass, const VaryingSection* section, std
     for (double low = a, high = a; high < b; low = high) {
       high = std::min(stop, b);
       if (stop <= high) stop = search(stop + rounding);
-      for (std::size_t k = 0; k < places.size() && low < high; ++k) {
-        const double x = low + places[k] * (high - low);
+      const double half = 0.5 * (high - low);
+      for (const auto [node, weight] : gauss(half > 0.0 ? 4 : 0)) {
+        const double x = low + half * (1.0 + node);
         const double share = section ? section->along(e, x) : (x - a) / (b - a);
-        const double part = weights[k] * (high - low) * f(x) * (section ? section->area(x) : 1.0);
+        const double part = half * weight * f(x) * (section ? section->area(x) : 1.0);
         before += (1.0 - share) * part;
         after += share * part;
       }

@@ -171,7 +171,7 @@ constexpr Synonyms synonyms[] = {
     {"velocity", "v v0"},
     {"gap", "position distance"},
     {"end", "t t_end duration"},
-    {"elements", "j nodes cells"},
+    {"elements", "j cells"},
     {"epsilon", "penalty compliance"},
     {"step", "dt h"},
     {"relative_tolerance", "rtol tolerance"},

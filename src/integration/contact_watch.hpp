@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "discretisation/gauss.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/gauss.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {

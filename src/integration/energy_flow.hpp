@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-#include "integration/gauss.hpp"
+#include "discretisation/gauss.hpp"
 #include "integration/layout.hpp"
 
 namespace viscobar {
@@ -39,7 +39,7 @@ template <std::size_t n>
 void add_energy_flow(PenalisedSystem& system, const Layout& layout, double from, double to, auto&& motion_at,
                      auto&& accelerations, std::span<double> y, std::span<double> account) {
   const double half = 0.5 * (to - from), middle = from + half;
-  for (const auto [node, weight] : gauss<n>()) {
+  for (const auto [node, weight] : gauss(n)) {
     const std::array<double, 3> flow = energy_flow(system, layout, middle + node * half, motion_at, accelerations, y);
     for (std::size_t k = 0; k < layout.account(); ++k) account[k] += half * weight * flow[k];
   }

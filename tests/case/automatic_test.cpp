@@ -105,7 +105,10 @@ TEST(Automatic, TakesTheFirstMassThatTheMethodTakes) {
   Case run = graded.run();
   run.mass.reset();
   run.grading = 4.0;
-  EXPECT_EQ(resolve(run).mass, Mass::redistributed);
+  EXPECT_EQ(resolve(run).mass, Mass::fourth_order);
+  run.grading = 1.0;
+  run.nodes = std::make_shared<const std::vector<double>>(std::vector<double>{0.0, 0.1, 0.5, 1.0});
+  EXPECT_EQ(resolve(run).mass, Mass::redistributed) << "an element is four times its neighbour";
 }
 
 // Pressed between two obstacles: each flight of an end leaves two breaks, and these make further flights.

@@ -72,6 +72,7 @@ TEST_P(Example, RunsByEveryMethodButThoseThatCannotTakeItsMassOrMesh) {
       return method != MethodName::cvode && method != MethodName::ida && method != MethodName::arkode &&
              method != MethodName::odeint;
     if (method == MethodName::rigid) return run.scene.span.has_value();
+    if (run.scene.section && method == MethodName::finite_difference) return true;
     const bool springs = run.scene.left_input.stiffness > 0.0 || run.scene.right_input.stiffness > 0.0;
     if (method == MethodName::characteristics) return run.scene.bar.viscosity > 0.0 || run.scene.span || springs;
     if (method == MethodName::exponential) return run.elements >= Exponential::most_unknowns;

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "discretisation/gauss.hpp"
 #include "ends/closed_forms.hpp"
-#include "integration/gauss.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -75,7 +75,7 @@ TEST(Side, EndOfAnElasticBarAnswersAForceByBesselFunctions) {
       double sum = 0.0;
       constexpr int pieces = 32;
       for (int p = 0; p < pieces; ++p)
-        for (const auto [node, weight] : gauss<8>()) {
+        for (const auto [node, weight] : gauss(8)) {
           const double s = t * (p + 0.5 + 0.5 * node) / pieces;
           sum += 0.5 * weight * t / pieces * std::pow(s, 4) * answer(t - s);
         }

@@ -30,8 +30,7 @@ std::string_view meaning(Mass mass);  ///< in half a sentence
 /// end rows: what they are beside the symmetric (5, 1) / 12 is (h / 24) (-3, 4, -1), the difference that tells h^2 / 12
 /// times the slope at the end. Where elements differ or the section varies its row i is int A phi_i a dx, a the
 /// parabola through three nodes, and the matrix has a skew part, none in its first and last entry.
-///
-/// @param section null: A = 1
+/// Without a section A = 1.
 /// @throws std::invalid_argument for `paper` with a section or on a mesh that is not uniform, and for `fourth_order`
 /// on less than three elements.
 SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSection* section = nullptr);

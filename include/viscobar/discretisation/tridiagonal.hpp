@@ -93,8 +93,9 @@ struct SymmetricTridiagonal {
 /// Entries of a field over n unknowns that unsymmetric_product() looks at: all of them, or, of a matrix without a skew
 /// part, six: of unknowns 0, 1, 2, n-3, n-2, n-1, and within them where there are fewer.
 struct RowValues {
-  std::span<const double> values;
-  std::size_t n = values.size();
+  std::span<const double> values;  ///< six or n
+  std::size_t n = values.size();   ///< unknowns
+  /// Of unknown i, one of the six or any.
   double operator()(std::size_t i) const { return i < 3 ? values[i] : values[values.size() - (n - i)]; }
 };
 /// Those of at(i), into `values` of six or n entries.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "integration/gauss.hpp"
+#include "discretisation/gauss.hpp"
 
 namespace viscobar::exponential {
 
@@ -16,7 +16,7 @@ EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd&
   EnergyFlow flow;
   const VectorXd at_begin = Leg::velocity(series, 0.0, tau);
   if (leg.has_end_rows()) flow.end_inertia = leg.end_power(at_begin, Leg::velocity(series, sigma, tau) - at_begin);
-  for (const auto [node, weight] : gauss<8>()) {
+  for (const auto [node, weight] : gauss(8)) {
     const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
     const VectorXd v = Leg::velocity(series, at, tau);
     const VectorXd a = leg.has_end_rows() || of_frame ? Leg::acceleration(series, at, tau) : VectorXd();
@@ -67,7 +67,7 @@ EnergyFlow SampledFlow::until(double sigma) const {
     return share;
   };
   for (std::size_t k = 0; k <= 8; ++k) {
-    for (const auto [node, weight] : gauss<5>())  // exact for degree 8
+    for (const auto [node, weight] : gauss(5))  // exact for degree 8
       sum.add(sigma * weight / 2 * part(k, sigma * (1.0 + node) / 2), powers[k]);
     sum.end_inertia += part(k, sigma) * at_ends[k];
   }

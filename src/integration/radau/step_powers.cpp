@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
-#include "integration/gauss.hpp"
+#include "discretisation/gauss.hpp"
 
 namespace viscobar::radau {
 
@@ -29,7 +29,7 @@ struct Rule {
   // Kronrod's own nodes are the middle and every second pair from there on.
   Rule() {
     std::size_t k = 0;
-    for (const GaussPoint& point : gauss<8>()) nodes[k++] = point.node;
+    for (const GaussPoint& point : gauss(8)) nodes[k++] = point.node;
     const auto& half = boost::math::quadrature::gauss_kronrod<double, count>::abscissa();
     nodes[k++] = half[0];
     for (std::size_t i = 2; i < half.size(); i += 2) nodes[k++] = half[i], nodes[k++] = -half[i];
@@ -57,7 +57,7 @@ StepPowers::Flow StepPowers::over_step(double length, const std::array<Flow, of_
   std::ranges::copy(at_gauss, values_.begin());
   Flow sum{};
   std::size_t k = 0;
-  for (const GaussPoint& point : gauss<of_gauss>()) {
+  for (const GaussPoint& point : gauss(of_gauss)) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += half_ * point.weight * values_[k][i];
     ++k;
   }
