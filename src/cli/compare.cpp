@@ -1,8 +1,10 @@
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "case/run_cost.hpp"
 #include "cli/commands.hpp"
+#include "report/compare/finished_runs.hpp"
 #include "report/judge/judge_request.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -12,7 +14,7 @@ namespace {
 
 struct CompareOptions : StudyOptions {
   using StudyOptions::StudyOptions;
-  std::vector<std::string> methods, with;
+  std::vector<std::string> methods, with, results;
   std::size_t threads = 0;
 };
 
@@ -43,7 +45,29 @@ int judge_solutions(const CompareOptions& asked) {
   return success;
 }
 
+void finish(const Study& study, const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
+  study.finish(compare_json(scene, choice, check), compare_page(scene.run.scene, choice, check),
+               compare_text(choice, check), compare_csv(check));
+}
+
+int compare_results(CompareOptions asked) {
+  if (!asked.methods.empty() || !asked.with.empty() || !asked.scene.overrides.empty())
+    refuse("results are compared as they are: --methods, --with and --set belong to a scene");
+  std::vector<std::string> directories = asked.results;
+  directories.insert(directories.begin(), asked.scene.file);
+  if (directories.size() < 2) refuse("{} is a result: name another one to compare it with", asked.scene.file);
+  FinishedRuns finished = finished_runs(directories);
+  if (asked.output.where.empty()) asked.output.where = "compare.out";
+  MethodChoice choice;
+  choice.remarks = std::move(finished.remarks);
+  const Comparison check = compare(std::move(finished.runs));
+  finish(Study(asked, finished.scene, ResultKind::compare), finished.scene, choice, check);
+  return success;
+}
+
 int compare_methods(const CompareOptions& asked) {
+  if (!asked.results.empty())
+    refuse("{}: results are compared with results, and {} is a scene", asked.results.front(), asked.scene.file);
   const std::vector<MethodName> methods = methods_named(asked.methods);
   const SceneFile scene = asked.scene.read({}, [](Case& run) {
     if (is_penalised(run.method)) run.method = penalised_method(run);
@@ -57,8 +81,7 @@ int compare_methods(const CompareOptions& asked) {
   check_memory(scene.run, choice.cases.size());
   const Study study(asked, scene, ResultKind::compare);
   const Comparison check = compare(choice.cases, asked.threads);
-  study.finish(compare_json(scene, choice, check), compare_page(scene.run.scene, choice, check),
-               compare_text(choice, check), compare_csv(check));
+  finish(study, scene, choice, check);
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.setup.run.method), run.error));
   return check.completed() ? success : run_failed;
@@ -68,6 +91,8 @@ int compare_methods(const CompareOptions& asked) {
 
 Action compare_command(CLI::App& command) {
   const auto asked = std::make_shared<CompareOptions>(command);
+  add(command, "results", "DIR", asked->results,
+      "With a directory of results instead of the scene: those to compare it with, as they are");
   add_list(command, "--methods", "NAME,NAME...", asked->methods,
            "The methods, the first one the reference (default: all that fit the scene, characteristics or else "
            "exponential the reference where it does)");
@@ -76,7 +101,11 @@ Action compare_command(CLI::App& command) {
       "Solutions by another's scheme, CSV files with columns of ends.csv, gauges.csv or events.csv, beside the bar's own "
       "motion; with the steps of the scheme its order is told (repeatable, for each scheme)");
   add_threads(command, asked->threads);
-  return [asked] { return asked->with.empty() ? compare_methods(*asked) : judge_solutions(*asked); };
+  return [asked] {
+    std::error_code unknown;
+    if (std::filesystem::is_directory(asked->scene.file, unknown)) return compare_results(*asked);
+    return asked->with.empty() ? compare_methods(*asked) : judge_solutions(*asked);
+  };
 }
 
 }  // namespace viscobar::cli

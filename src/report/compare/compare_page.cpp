@@ -2,6 +2,8 @@
 
 #include "report/compare/compare_tables.hpp"
 #include "report/page.hpp"
+#include "report/run/run_data.hpp"
+#include "report/run/run_page.hpp"
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "results/json.hpp"
@@ -20,11 +22,13 @@ using plot::Point;
 using plot::Range;
 
 /// A method has the same colour and dashes in every picture, whatever else is there. No two methods have both alike.
-std::string colour(const MethodRun& run) {
-  return run.built_in ? plot::series_colour(static_cast<std::size_t>(run.setup.run.method)) : "var(--ink)";
+std::size_t series(const MethodRun& run) {
+  return run.built_in ? static_cast<std::size_t>(run.setup.run.method) : std::size(all_methods) + run.index;
 }
+bool plain(const MethodRun& run) { return !run.built_in && run.index == 0; }
+std::string colour(const MethodRun& run) { return plain(run) ? "var(--ink)" : plot::series_colour(series(run)); }
 plot::Style style(const MethodRun& run, double width) {
-  return {colour(run), false, width, run.built_in ? static_cast<std::size_t>(run.setup.run.method) : 0};
+  return {colour(run), false, width, plain(run) ? 0 : series(run)};
 }
 
 const std::string& label(const MethodRun& run) { return run.label; }
@@ -178,6 +182,25 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
           "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.", panels};
 }
 
+// Where and when two runs are apart.
+Picture difference_map(const Comparison& check) {
+  const auto runs = finished(check);
+  if (runs.size() != 2 || !check.pairs.front().difference.displacement_l2 || runs[0]->recording->mesh.elements == 1)
+    return {};
+  const Recording &first = *runs[0]->recording, &other = *runs[1]->recording;
+  ThinnedField field(first.mesh);
+  for (std::size_t k = 0; k < first.times.size(); ++k)
+    field.add_each(first.times[k],
+                   [a = first.displacement(k), b = other.displacement(k)](std::size_t j) { return b[j] - a[j]; });
+  const FieldColours colours = colours_of(field, "difference");
+  const Case& run = runs[0]->setup.run;
+  return {"Difference over space and time",
+          fmt::format("<i>u</i> of {} less that of {}.", escaped(label(*runs[1])), escaped(label(*runs[0]))) +
+              map_remark(run, field, colours, "node"),
+          {{"difference-map", "Difference of the two runs over time and space as a colour map",
+            map_figure(run, field, colours, "difference")}}};
+}
+
 Json to_json(const ContactPeriod& period) {
   return {{"begin", period.begin},
           {"end", period.end},
@@ -271,12 +294,12 @@ std::string compare_text(const MethodChoice& choice, const Comparison& check) {
 }
 
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
-  Page page = Page::of_study(scene, ", by several methods");
+  Page page = Page::of_study(scene, choice.cases.empty() ? ", by runs that are there" : ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
       page.add_head(
           fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), escaped(run.error)));
-  page.add_section("Methods", html(method_table(check, readable_number)));
+  page.add_section(choice.cases.empty() ? "Runs" : "Methods", html(method_table(check, readable_number)));
   if (!check.reference) return page.with_figures();
   if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
     page.add_section("Difference to " + label(check.runs[*check.reference]),
@@ -286,6 +309,7 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
                          notes_html(remarks(choice, check)));
   page.add(ends_picture(scene, check));
   page.add(differences_picture(check));
+  page.add(difference_map(check));
   page.add(contacts_picture(scene, check));
   page.add(reactions_picture(scene, check));
   if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())

@@ -157,7 +157,7 @@ std::string contact_text(const Comparison& check) {
 }
 
 std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& check) {
-  std::vector<std::string> found;
+  std::vector<std::string> found = choice.remarks;
   for (const MethodRun& run : check.runs)
     if (!run.recording) found.push_back(fmt::format("{} failed: {}", run.label, run.error));
   for (const MethodName method : choice.default_step)
@@ -183,7 +183,7 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
     return run.built_in && is_penalised(run.setup.run.method) && meets_obstacle(run.setup.run.scene);
   });
   const bool exact = std::ranges::any_of(check.runs, [](const MethodRun& run) {
-    const auto& [label, built_in, setup, recording, contacts, error] = run;
+    const auto& [label, built_in, setup, recording, contacts, error, index] = run;
     return built_in && (is_scheme(setup.run.method) ||
                         (setup.run.method == MethodName::rigid && setup.mass != Mass::redistributed));
   });

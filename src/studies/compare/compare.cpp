@@ -52,7 +52,7 @@ std::optional<std::string> takes_long(const Case& scene, MethodName method) {
 MethodRun attempt(const Contender& contender) {
   Case run = contender.run;
   run.directions.clear();  // what methods are compared by is told by all of them
-  MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}};
+  MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}, 0};
   try {
     Recording recording = result.built_in ? record_setup(result.setup) : contender.solver(result.setup.run);
     if (const auto problem = fault(recording, result.setup.run)) throw std::invalid_argument(*problem);
@@ -115,12 +115,18 @@ Comparison compare(std::span<const Case> cases, std::size_t threads) {
 }
 
 Comparison compare(std::span<const Contender> contenders, std::size_t threads) {
-  const std::size_t count = contenders.size();
-  Comparison result;
-  result.runs.resize(count);
+  std::vector<MethodRun> runs(contenders.size());
   parallel_for(
-      count, [&](std::size_t i) { result.runs[i] = attempt(contenders[i]); }, threads);
+      runs.size(), [&](std::size_t i) { runs[i] = attempt(contenders[i]); }, threads);
+  return compare(std::move(runs));
+}
+
+Comparison compare(std::vector<MethodRun> runs) {
+  const std::size_t count = runs.size();
+  Comparison result;
+  result.runs = std::move(runs);
   for (std::size_t i = 0; i < count; ++i) {
+    result.runs[i].index = i;
     if (!result.runs[i].recording) continue;
     if (!result.reference) result.reference = i;
     for (std::size_t j = i + 1; j < count; ++j) {

@@ -22,6 +22,7 @@ struct MethodChoice {
   std::vector<Case> cases;               ///< one for each method
   std::vector<Skipped> skipped;          ///< methods that do not fit the scene
   std::vector<MethodName> default_step;  ///< schemes whose step was chosen, the scene having none
+  std::vector<std::string> remarks;      ///< what else there is to know before their differences
 };
 
 /// Every method that fits the scene, characteristics first, else exponential, which is left out on a mesh of more than
@@ -46,6 +47,7 @@ struct MethodRun {
   std::optional<Recording> recording;   ///< absent when the run failed
   std::vector<ContactPeriod> contacts;  ///< bounces within a hundredth of the run merged
   std::string error;                    ///< why it failed; empty when it did not
+  std::size_t index = 0;                ///< among the runs of its comparison
 };
 
 /// One scene by several methods, and how far every two of them are apart.
@@ -69,6 +71,8 @@ struct Comparison {
 /// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
 /// standing.
 Comparison compare(std::span<const Contender> contenders, std::size_t threads = 0);
+/// The same of runs that are there, of one mesh and the same output times.
+Comparison compare(std::vector<MethodRun> runs);
 /// The same for built-in methods.
 Comparison compare(std::span<const Case> cases, std::size_t threads = 0);
 
