@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "cli/command.hpp"
 
@@ -151,6 +155,69 @@ TEST_F(Compare, RefusesWhatItCannotCompare) {
   refused(scene("chatter") + " --methods cvode", "nothing to compare");
   refused(scene("chatter") + " --method cvode,ida", "did you mean --methods?");
   refused(scene("chatter") + " --set output.every=1e-7", "output.every");
+}
+
+// The same motion at other output times differs by what cubics in time leave; a coarser mesh by what ends.csv has.
+TEST_F(Compare, TakesResultsThatAreThere) {
+  const std::string base = "run " + scene("rebound") + " --quiet --no-estimate --set mesh.elements=";
+  ASSERT_EQ(viscobar(base + "80 -o fine").code, 0);
+  ASSERT_EQ(viscobar(base + "20 -o coarse").code, 0);
+  ASSERT_EQ(viscobar(base + "80 --set output.every=0.025 -o rare").code, 0);
+  ASSERT_EQ(viscobar(base + "80 --set time.end=1.5 --set 'output.write=[\"ends\"]' -o short").code, 0);
+
+  const Ended meshes = viscobar("compare fine coarse -o meshes --json");
+  ASSERT_EQ(meshes.code, 0) << meshes.error;
+  const Json pair = meshes.json()["pairs"][0];
+  const auto ends = [&](const std::string& result) {
+    std::vector<std::array<double, 2>> rows;
+    std::ifstream stream(directory_ / result / "ends.csv");
+    std::string line;
+    std::getline(stream, line);
+    while (std::getline(stream, line)) {
+      double t, left, v, r, right;
+      EXPECT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf", &t, &left, &v, &r, &right), 5);
+      rows.push_back({left, right});
+    }
+    return rows;
+  };
+  const auto fine = ends("fine"), coarse = ends("coarse");
+  double most = 0.0;
+  for (std::size_t k = 0; k < fine.size(); ++k)
+    for (const std::size_t side : {0u, 1u}) most = std::max(most, std::abs(fine[k][side] - coarse[k][side]));
+  EXPECT_NEAR(pair["end_trace"].get<double>(), most, 1e-15);
+  EXPECT_EQ(pair["events_matched"], 2);
+  EXPECT_NE(meshes.json()["remarks"].dump().find("it is taken at the nodes of the latter"), std::string::npos);
+  EXPECT_TRUE(fs::exists(directory_ / "meshes" / "compare.csv"));
+  EXPECT_NE(read_text(directory_ / "meshes" / "compare.html").find("Difference over space and time"),
+            std::string::npos);
+
+  // Where u is smooth a cubic over h = 0.025 leaves h^4 / 384 of its fourth derivative; more after the impact at t = 0.
+  const Json rare = viscobar("compare fine rare -o times --json").json();
+  EXPECT_GT(rare["pairs"][0]["end_trace"].get<double>(), 0.0);
+  EXPECT_LT(rare["pairs"][0]["end_trace"].get<double>(), 2e-4);
+  EXPECT_EQ(rare["pairs"][0]["largest_event_shift"], 0.0);
+
+  // A run that ends before, with its ends alone.
+  const Json part = viscobar("compare fine short -o part --json").json();
+  EXPECT_EQ(part["pairs"][0]["displacement_l2"], nullptr);
+  EXPECT_LT(part["pairs"][0]["end_trace"].get<double>(), 1e-10);
+}
+
+TEST_F(Compare, RefusesResultsThatItCannotCompare) {
+  ASSERT_EQ(viscobar("run " + scene("rebound") + " --quiet --no-estimate -o whole").code, 0);
+  const auto refused = [&](const std::string& arguments, const std::string& why) {
+    const Ended ended = viscobar("compare " + arguments);
+    EXPECT_EQ(ended.code, 2) << arguments;
+    EXPECT_NE(ended.error.find(why), std::string::npos) << arguments << ": " << ended.error;
+  };
+  refused("whole", "name another one");
+  refused("whole whole", "asked for twice");
+  refused("whole . ", "no result of `viscobar run`");
+  refused("whole other --methods cvode", "belong to a scene");
+  refused(scene("rebound") + " whole", "is a scene");
+  fs::copy(directory_ / "whole", directory_ / "spoiled");
+  std::ofstream(directory_ / "spoiled" / "ends.csv", std::ios::app) << "3,0,0,0,0,0,0\n";
+  refused("whole spoiled", "is damaged");
 }
 
 TEST_F(Compare, HelpNamesEveryOption) {
