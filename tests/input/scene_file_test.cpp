@@ -305,7 +305,7 @@ TEST(SceneFile, DescribesEveryKeyAsUnderstood) {
     "time": {"end": 4.0},
     "mesh": {"elements": 8, "grading": 1.0, "mass": "lumped"},
     "method": {"name": "automatic", "relative_tolerance": 1e-6,
-               "error_control": "global", "formulas": "automatic", "stepper": "automatic", "start": "first_order",
+               "error_control": "global", "stepper": "automatic", "start": "first_order",
                "impact": "paoli_schatzman"},
     "output": {"every": 0.04}})json");
   EXPECT_EQ(description, expected) << description.dump(2);
