@@ -186,6 +186,7 @@ TEST_F(Compare, TakesResultsThatAreThere) {
     for (const std::size_t side : {0u, 1u}) most = std::max(most, std::abs(fine[k][side] - coarse[k][side]));
   EXPECT_NEAR(pair["end_trace"].get<double>(), most, 1e-15);
   EXPECT_EQ(pair["events_matched"], 2);
+  EXPECT_NEAR(pair["contacts"][0]["first"]["impulse"].get<double>(), 1.65079363, 1e-7) << "known to ten digits";
   EXPECT_NE(meshes.json()["remarks"].dump().find("it is taken at the nodes of the latter"), std::string::npos);
   EXPECT_TRUE(fs::exists(directory_ / "meshes" / "compare.csv"));
   EXPECT_NE(read_text(directory_ / "meshes" / "compare.html").find("Difference over space and time"),

@@ -294,7 +294,7 @@ std::string compare_text(const MethodChoice& choice, const Comparison& check) {
 }
 
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
-  Page page = Page::of_study(scene, choice.cases.empty() ? ", by runs that are there" : ", by several methods");
+  Page page = Page::of_study(scene, choice.cases.empty() ? ", results beside each other" : ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
       page.add_head(

@@ -12,6 +12,7 @@
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "report/measured.hpp"
+#include "results/csv.hpp"
 #include "results/field/field_reader.hpp"
 #include "results/json.hpp"
 #include "results/result_directory.hpp"
@@ -43,7 +44,7 @@ Statistics statistics_of(const Json& summary) {
   return statistics;
 }
 
-MethodRun read_run(const std::string& name, SceneFile& scene) {
+MethodRun read_run(const std::string& name, SceneFile& scene, Json& contact) {
   const fs::path place = name;
   settle_result_directory(place);
   if (!fs::exists(place / "summary.json"))
@@ -53,9 +54,11 @@ MethodRun read_run(const std::string& name, SceneFile& scene) {
       throw std::invalid_argument(
           fmt::format("{}: is damaged: {}; nothing was compared", (place / file.name).string(), file.reason));
   const std::string summary = input_text(place / "summary.json");
+  const Json told = Json::parse(summary);
+  contact = told.value("contact", Json::object());
   scene = parse_scene(summary, (place / "summary.json").string());
   Recording recording;
-  recording.label = name, recording.mesh = scene.run.mesh(), recording.statistics = statistics_of(Json::parse(summary));
+  recording.label = name, recording.mesh = scene.run.mesh(), recording.statistics = statistics_of(told);
   const std::string ends = (place / "ends.csv").string(), events = (place / "events.csv").string();
   const bool field = fs::exists(place / "field.h5");
   if (field) {
@@ -155,16 +158,33 @@ std::string differing(const SceneFile& first, const SceneFile& other) {
   return found;
 }
 
+// The account of the end is that of its only contact. Of several an integral over the output times is all there is.
+void take_impulses(Recording& recording, const std::vector<ContactPeriod>& periods, const Json& contact) {
+  for (const Where where : {Where::left, Where::right}) {
+    const auto of_end = contact.find(name(where));
+    if (of_end == contact.end() || std::ranges::count(periods, where, &ContactPeriod::where) != 1) continue;
+    const double impulse = of_end->value("impulse", 0.0);
+    std::ranges::find(recording.events, where, &Event::where)->impulse = 0.0;
+    Event* last = nullptr;
+    for (Event& event : recording.events)
+      if (event.where == where) last = &event;
+    if (last->change == Change::opening) last->impulse = impulse;
+    if (!recording.statistics.account) recording.statistics.account.emplace();
+    (where == Where::left ? recording.statistics.account->left : recording.statistics.account->right).impulse = impulse;
+  }
+}
+
 }  // namespace
 
 FinishedRuns finished_runs(std::span<const std::string> directories) {
   FinishedRuns finished;
   std::vector<SceneFile> scenes(directories.size());
+  std::vector<Json> contacts(directories.size());
   double end = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < directories.size(); ++k) {
     if (std::ranges::count(directories, directories[k]) > 1)
       throw std::invalid_argument(directories[k] + " is asked for twice");
-    finished.runs.push_back(read_run(directories[k], scenes[k]));
+    finished.runs.push_back(read_run(directories[k], scenes[k], contacts[k]));
     if (scenes[k].run.scene.bar.length != scenes[0].run.scene.bar.length)
       throw std::invalid_argument(fmt::format("{} is of a bar of length {}, and {} of one of {}", directories[k],
                                               scenes[k].run.scene.bar.length, directories[0],
@@ -182,6 +202,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
   for (std::size_t k = 0; k < finished.runs.size(); ++k) {
     Recording& recording = *finished.runs[k].recording;
     const bool ends_only = recording.mesh.elements == 1 || first.mesh.elements == 1;
+    const bool whole = recording.times.back() == times.back();
     if (recording.times != times) {
       if (k > 0 || times.back() != recording.times.back())
         finished.remarks.push_back(
@@ -199,7 +220,9 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     if (const std::string tables = k > 0 ? differing(scenes[0], scenes[k]) : ""; !tables.empty())
       finished.remarks.push_back(
           fmt::format("The scenes of {} and {} differ in {}", directories[0], directories[k], tables));
-    finished.runs[k].contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
+    const double merge = 0.01 * (times.back() - times.front());
+    if (whole) take_impulses(recording, contact_periods(recording, merge), contacts[k]);
+    finished.runs[k].contacts = contact_periods(recording, merge);
   }
   finished.scene = std::move(scenes.front());
   return finished;
