@@ -137,7 +137,7 @@ class Result(Recorded):
 
     @cached_property
     def energy(self) -> dict[str, np.ndarray]:
-        """The columns of energy.csv, (K) each: t, kinetic, elastic, contact (in penalty springs), dissipated, work, total.
+        """The columns of energy.csv, (K) each: t, kinetic, elastic, contact (in their springs), dissipated, work, total.
 
         total + dissipated - work keeps its value, up to the error of the time integration.
         """

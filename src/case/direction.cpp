@@ -74,14 +74,17 @@ Direction direction(const Case& run, std::string_view key) {
   };
   // The numbers of stops: of an end's own, or of all that have those of [contact].
   std::vector<double*> of_stops;
+  bool lets_go_from_here = false;
   for (const auto& [end, input, rates] :
        {std::tuple{"left", &scene.left_input, &data.left_input}, {"right", &scene.right_input, &data.right_input}}) {
     if (!input->stop) continue;
     rates->stop = *input->stop;
     rates->stop->stiffness = rates->stop->damping = 0.0;
     if (key == input->stop->key(end, "stiffness")) of_stops.push_back(&rates->stop->stiffness);
-    if (key == input->stop->key(end, "damping") && has_damper(input->stop->law))
+    if (key == input->stop->key(end, "damping") && has_damper(input->stop->law)) {
       of_stops.push_back(&rates->stop->damping);
+      lets_go_from_here = input->stop->linear() && input->stop->damping == 0.0;
+    }
   }
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: {}", key, why));
@@ -93,6 +96,7 @@ Direction direction(const Case& run, std::string_view key) {
     return along;
   }
   const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
+  if (lets_go_from_here) refuse("the time at which a stop opens has a kink at 0; give a positive damping");
   for (double* number : of_stops) *number = 1.0;
   if (!of_stops.empty()) return along;
   if (key.find("contact.") != key.npos && (key.ends_with(".stiffness") || key.ends_with(".damping")))
@@ -100,9 +104,8 @@ Direction direction(const Case& run, std::string_view key) {
   if (place == std::end(places)) {
     std::string known;
     for (const auto& [name, number] : places) known.append(known.empty() ? "" : ", ").append(name);
-    refuse(fmt::format(
-        "known are {}, side.stiffness, side.drag, the stiffness and damping of contact laws, and parameters.NAME",
-        known));
+    refuse(fmt::format("known are {}, side.stiffness, side.drag, the numbers of contact laws, and parameters.NAME",
+                       known));
   }
   if (!place->second) refuse("the scene has no such obstacle");
   if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))

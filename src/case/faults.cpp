@@ -10,6 +10,7 @@
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "integration/exponential/refusal.hpp"
 #include "run/parts.hpp"
 #include "scene/message_text.hpp"
 #include "viscobar/case/case.hpp"
@@ -218,6 +219,7 @@ std::size_t fixed_ends(const Scene& scene) {
 }
 
 void check_exponential(const Case& run, Findings& findings) {
+  if (const auto law = exponential::refusal(run.scene.left_input, run.scene.right_input)) findings.add({*law});
   if (run.elements + 1 > Exponential::most_unknowns + fixed_ends(run.scene))
     findings.report("mesh.elements",
                     "exponential works with dense matrices and takes up to {} unknown "

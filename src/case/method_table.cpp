@@ -74,7 +74,7 @@ constexpr MethodRow rows[] = {
      .penalised = true, .accuracy = Accuracy::rounding, .seconds = {},
      .options = [](const Setup& setup) -> Method { return Exponential{penalty(setup)}; },
      // Propagators of several sub-steps, dense over displacement and velocity.
-     .vectors = [](const Case&, double nodes) { return 4.0 * 4.0 * nodes; }},
+     .vectors = [](const Case&, double nodes) { return 4.0 * 4.0 * nodes; }, .takes_laws = true},
     {.method = MethodName::characteristics, .name = "characteristics",
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},

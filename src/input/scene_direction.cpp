@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "input/scene_entries.hpp"
+#include "input/scene_stop.hpp"
 #include "text/nearest_name.hpp"
 
 namespace viscobar {
@@ -111,6 +112,14 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
       section && (key == "bar.section" || ((parameter || length) && section->derivative(by))))
     throw std::invalid_argument(
         fmt::format("{}: no sensitivity with respect to it: the section depends on it; compare two runs", key));
+  if (const auto given = damping_by(entries, key)) {
+    Direction along = direction(run, given->first);
+    along.key = key;
+    for (EndInput* end : {&along.data.left_input, &along.data.right_input})
+      if (end->stop) end->stop->damping *= given->second;
+    if (key == "contact.restitution" && has_penalty(run.scene)) along.restitution = 1.0;
+    return along;
+  }
   Direction along = direction(run, parameter ? "bar.density" : key);
   if (!parameter && !length) return along;
   along.key = key;

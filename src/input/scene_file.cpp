@@ -298,8 +298,9 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
         "{} has no derivatives, and derivatives are those of the motion that is computed: choose a method "
         "that has them, {}, whose motion is another one by its error",
         run.automatic ? fmt::format("{}, chosen for the scene,", name(run.method)) : std::string(name(run.method)),
-        run.scene.span ? "method.name = \"arkode\" (or cvode, ida) with a contact.epsilon"
-                       : "method.name = \"rigid\" (or cvode, ida, arkode)");
+        run.scene.span         ? "method.name = \"arkode\" (or cvode, ida) with a contact.epsilon"
+        : has_stops(run.scene) ? "method.name = \"arkode\" (or cvode, ida)"
+                               : "method.name = \"rigid\" (or cvode, ida, arkode)");
   std::set<std::string> seen;
   for (const Direction& along : run.directions) {
     if (!seen.insert(along.key).second) entries.report("sensitivity.of", "{} is given twice", along.key);

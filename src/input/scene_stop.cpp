@@ -1,8 +1,11 @@
 #include "input/scene_stop.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <stdexcept>
 
 namespace viscobar {
 
@@ -76,6 +79,24 @@ std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side
   const auto e = number(restitution), at = number(speed);
   const double damped = *known == Law::hunt_crossley && e > 0.0 && at ? lambda_of(*e, *at) : 0.0;
   return Stop{*known, number(stiffness).value_or(1.0), number(damping).value_or(damped), !own};
+}
+
+std::optional<std::pair<std::string, double>> damping_by(const SceneEntries& entries, const std::string& of) {
+  for (const char* table : {"", "left", "right"}) {
+    const auto e = entries.number(key(table, restitution)), V = entries.number(key(table, speed));
+    if (!e || !V) continue;
+    if (of == key(table, damping))
+      throw std::invalid_argument(
+          fmt::format("{}: no sensitivity with respect to it: the scene has {} and {} in its "
+                      "place; take one of these",
+                      of, key(table, restitution), key(table, speed)));
+    const double a = *V * lambda_of(*e, *V);
+    if (of == key(table, speed)) return std::pair(key(table, damping), -a / (*V * *V));
+    // By the derivative of that equation; a = 3 (1 - e) / 2 near e = 1.
+    const double slope = *e < 1.0 ? -a * *e * (1.0 + a) / ((1.0 + *e) * (a * *e - (1.0 - *e))) : -1.5;
+    if (of == key(table, restitution)) return std::pair(key(table, damping), slope / *V);
+  }
+  return std::nullopt;
 }
 
 void check_laws(SceneEntries& entries) {

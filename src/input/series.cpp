@@ -103,8 +103,8 @@ void Series::find_slopes() {
   if (n > 2) limit_slopes(places_, values_, slopes_);
 }
 
-// Kinks and jumps; and the ends of stretches over which one cubic is the function to a hundredth of its range, so that
-// no step passes a pulse by.
+// Kinks and jumps; and jumps of the second derivative, which limited slopes leave, and the ends of stretches over which
+// one cubic is the function to a hundredth of its range, so that no step passes a pulse by.
 void Series::find_breaks() {
   const std::size_t n = places_.size();
   const auto [low, high] = std::ranges::minmax_element(values_);
@@ -144,6 +144,12 @@ void Series::find_breaks() {
   };
   for (std::size_t k = 0; k < n && largest > 0.0; ++k)
     if (jumps(k)) add(kinks_, k);
+  const auto bends = [&](std::size_t k) {
+    const double before = places_[k] - places_[k - 1], after = places_[k + 1] - places_[k];
+    const double left = (4.0 * slopes_[k] + 2.0 * slopes_[k - 1] - 6.0 * chord(k - 1)) / before;
+    const double right = (6.0 * chord(k) - 4.0 * slopes_[k] - 2.0 * slopes_[k + 1]) / after;
+    return std::abs(right - left) > 1e-6 * steepest / std::min(before, after);
+  };
   for (std::size_t a = 0; a + 1 < n;) {
     std::size_t step = 1, b = a + 1;
     for (; b + step < n && plain(a, b + step); step *= 2) b += step;
@@ -152,6 +158,10 @@ void Series::find_breaks() {
     if (b + 1 < n) add(breaks_, b);
     a = b;
   }
+  for (std::size_t k = 1; smooth() && k + 1 < n; ++k)
+    if (bends(k)) breaks_.push_back(places_[k]);
+  std::ranges::sort(breaks_);
+  breaks_.erase(std::ranges::unique(breaks_).begin(), breaks_.end());
   std::vector<double> both;
   std::ranges::set_union(kinks_, breaks_, std::back_inserter(both));
   breaks_ = std::move(both);

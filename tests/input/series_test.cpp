@@ -94,6 +94,24 @@ TEST(Series, OfRandomStepsKeepsToTheirRange) {
   }
 }
 
+// Its second derivative jumps where slopes are limited; a step ends there.
+TEST(Series, HasABreakWhereItsSecondDerivativeJumps) {
+  std::mt19937_64 engine(2);
+  std::size_t found = 0;
+  for (int k = 0; k < 100; ++k) {
+    std::vector<double> t, y;
+    for (int i = 0; i < 8; ++i) t.push_back(i), y.push_back(static_cast<double>(engine() >> 11) * 0x1p-53);
+    const FunctionOfTime f = spline(t, y);
+    for (int i = 1; i < 7; ++i) {
+      const double before = f.motion.acceleration(i - 1e-9), after = f.motion.acceleration(i);
+      if (std::abs(after - before) < 1e-4) continue;  // a slope of 1e4 or less, and the step of 1e-9
+      ++found;
+      EXPECT_EQ(f.motion.breaks(i - 0.5, i + 0.5), i) << k;
+    }
+  }
+  EXPECT_GT(found, 50u);
+}
+
 /// A folder with a file record.csv, of a force in kN of time in ms.
 class Records : public testing::Test {
  protected:

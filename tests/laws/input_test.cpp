@@ -77,6 +77,12 @@ TEST(Law, IsRefusedByMethodsThatHaveNoSuchStop) {
     EXPECT_NE(found.find("contact.law: \"hertz\" is no law for " + std::string(method)), std::string::npos) << found;
     EXPECT_NE(found.find("arkode"), std::string::npos) << found;
   }
+  const auto exponential = [](const std::string& stops) {
+    return findings(scene("[method]\nname = \"exponential\"\n[contact]\n" + stops, contact("spring_damper", 7, 2)));
+  };
+  EXPECT_EQ(exponential("law = \"spring_damper\"\nstiffness = 3\n"), "");
+  const std::string bent = exponential("law = \"hertz\"\nstiffness = 3\n");
+  EXPECT_NE(bent.find("contact.law: \"hertz\" is no law for exponential"), std::string::npos) << bent;
   const std::string massless = findings(
       scene("mass = \"redistributed\"\n[contact]\nlaw = \"hertz\"\nstiffness = 30\n[method]\nname = \"arkode\"\n"));
   EXPECT_NE(massless.find("mesh.mass"), std::string::npos) << massless;
@@ -154,11 +160,12 @@ TEST(Law, IsForecastByCheck) {
 }
 
 TEST(Law, KeepsTheBitsOfARunThatIsResumed) {
-  for (const char* method : all_methods)
-    for (const char* law : {"spring_damper", "hunt_crossley"}) {
+  for (const char* method : linear_methods)
+    for (const std::string_view law : {"spring_damper", "hunt_crossley"}) {
+      if (method == std::string_view("exponential") && law != "spring_damper") continue;
       SCOPED_TRACE(fmt::format("{} {}", method, law));
       const viscobar::Setup setup =
-          resolve(parse_scene(thrown_bar(contact(law, 20.0, 1.0), 0.1, 8, 3.0, method), "").run);
+          resolve(parse_scene(thrown_bar(contact(std::string(law), 20.0, 1.0), 0.1, 8, 3.0, method), "").run);
       std::vector<double> whole, resumed;
       std::vector<Checkpoint> taken;
       const auto observers = [](std::vector<double>& told) {

@@ -1,4 +1,4 @@
-// Random bars between random stops, by four methods and by an integration of the plain nodal equations.
+// Random bars between random stops, by five methods and by an integration of the plain nodal equations.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -133,7 +133,9 @@ TEST(RandomStops, HaveOneMotionByAllMethodsAndByThePlainEquations) {
     const std::vector<double> truth = reference(scene);
     const auto n = static_cast<std::size_t>(scene.elements) + 1;
     std::vector<Event> first;
-    for (const char* method : all_methods) {
+    const bool linear = std::ranges::none_of(scene.ends, [](const End& end) { return end.law.starts_with('h'); });
+    for (const char* method : linear_methods) {
+      if (!linear && method == std::string_view("exponential")) continue;
       SCOPED_TRACE(fmt::format("seed {} {}\n{}", seed, method, text_of(scene, method)));
       const Case run = parse_scene(text_of(scene, method), "").run;
       std::vector<double> last(2 * n);

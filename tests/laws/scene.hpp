@@ -12,6 +12,8 @@
 namespace viscobar::laws {
 
 inline constexpr std::array all_methods = {"cvode", "ida", "arkode", "odeint"};
+/// Those that take spring_damper.
+inline constexpr std::array linear_methods = {"cvode", "ida", "arkode", "odeint", "exponential"};
 
 /// A run with its energy and account.
 struct Outcome {

@@ -46,13 +46,12 @@ TEST(LawSensitivity, OfALoneMassIsThatOfItsClosedForm) {
   }
 }
 
-std::string bar(const std::string& stop, double viscosity, double gap, double stiffness, double damping,
-                const char* method) {
+std::string bar(const std::string& stop, double viscosity, double gap, const char* method) {
   return fmt::format(
       "[bar]\nlength = 1\nviscosity = {:.17g}\n[left]\nkind = \"obstacle\"\ngap = {:.17g}\n{}[initial]\nvelocity = "
       "-1\n[time]\nend = 3\n[mesh]\nelements = 8\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-10\n[output]\nevery = "
       "0.5\n",
-      viscosity, gap, contact(stop, stiffness, damping), method);
+      viscosity, gap, stop, method);
 }
 
 // By the motion itself, at values of the parameters on either side.
@@ -63,7 +62,7 @@ TEST(LawSensitivity, IsThatOfDifferencesForEachLaw) {
     for (const char* method : with_derivatives) {
       const std::array<double, 4> at = {0.1, 0.2, 20.0, 0.4};
       const auto recorded = [&](std::array<double, 4> p, const std::string& more) {
-        return record(parse_scene(bar(law, p[0], p[1], p[2], p[3], method) + more, "").run);
+        return record(parse_scene(bar(contact(law, p[2], p[3]), p[0], p[1], method) + more, "").run);
       };
       for (std::size_t p = 0; p < (std::string(law) == "hertz" ? 3 : 4); ++p) {
         SCOPED_TRACE(fmt::format("{} {} {}", law, method, keys[p]));
@@ -104,6 +103,42 @@ TEST(LawSensitivity, IsThatOfDifferencesForEachLaw) {
         EXPECT_NEAR(account.impulse_left[0], of_impulse, close(of_impulse, 0.0));
       }
     }
+}
+
+// lambda is a function of them.
+TEST(LawSensitivity, OfARestitutionAndASpeedIsThatOfDifferences) {
+  const auto recorded = [](double e, double V, const std::string& more) {
+    const std::string stop = fmt::format(
+        "contact = {{ law = \"hunt_crossley\", stiffness = 20, restitution = {:.17g}, speed = {:.17g} }}\n", e, V);
+    return record(parse_scene(bar(stop, 0.1, 0.2, "cvode") + more, "").run);
+  };
+  const Recording run = recorded(0.6, 1.5, asked("\"left.contact.restitution\", \"left.contact.speed\""));
+  for (const int p : {0, 1}) {
+    SCOPED_TRACE(p == 0 ? "restitution" : "speed");
+    const auto of = [&](double by, auto&& value) {
+      return value(recorded(0.6 + (p == 0 ? by : 0.0), 1.5 + (p == 1 ? by : 0.0), ""));
+    };
+    const auto expect = [&](double derivative, auto&& value) {
+      // A second difference of step 1e-3, as above.
+      EXPECT_NEAR(derivative, (of(1e-3, value) - of(-1e-3, value)) / 2e-3, 2e-5 * (1.0 + std::abs(derivative)));
+      EXPECT_GT(std::abs(derivative), 1e-4);
+    };
+    const auto k = static_cast<std::size_t>(p);
+    expect(run.sensitivities[k].u.back(), [](const Recording& r) { return r.u.back(); });
+    expect(run.events.at(1).sensitivities[k].time, [](const Recording& r) { return r.events.at(1).time; });
+    expect(run.statistics.sensitivity->impulse_left[k],
+           [](const Recording& r) { return r.statistics.account->left.impulse; });
+  }
+  EXPECT_THROW(recorded(0.6, 1.5, asked("\"left.contact.damping\"")), SceneError);
+}
+
+// c = 0 is where a stop begins to open before its surface: the time has a derivative to one side alone.
+TEST(LawSensitivity, OfADampingThatIsZeroIsRefused) {
+  const auto text = [](const char* law) {
+    return bar(contact(law, 20.0), 0.1, 0.2, "cvode") + asked("\"left.contact.damping\"");
+  };
+  EXPECT_THROW(parse_scene(text("spring_damper"), ""), SceneError);
+  EXPECT_NO_THROW(parse_scene(text("hunt_crossley"), ""));
 }
 
 }  // namespace

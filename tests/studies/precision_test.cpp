@@ -121,6 +121,24 @@ TEST(Precision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
   EXPECT_NEAR(penalised, scheme, 0.01 * *parts_of(result, MethodName::cvode, 16).penalty);
 }
 
+// There is no penalty then, and no limit of one.
+TEST(Precision, OfStopsWithLawsIsAgainstTheBarThatHasThem) {
+  PrecisionStudy study = two_ends();
+  study.scene.scene.left_input.stop = study.scene.scene.right_input.stop = Stop{Law::spring_damper, 50.0, 1.0};
+  study.scene.mass = Mass::fourth_order;
+  study.scene.epsilon.reset();
+  study.elements = {16, 32};
+  study.methods = {MethodName::arkode};
+  study.tolerances = {1e-8};
+  const PrecisionResult result = precision_of(study);
+  ASSERT_TRUE(result.reference);
+  EXPECT_NE(result.reference->what.find("arkode"), std::string::npos);
+  const ErrorParts &coarse = parts_of(result, MethodName::arkode, 16), &fine = parts_of(result, MethodName::arkode, 32);
+  EXPECT_FALSE(coarse.penalty);
+  EXPECT_FALSE(coarse.epsilon);
+  EXPECT_NEAR(std::log2(*coarse.space / *fine.space), 4.0, 0.7);  // of the mass, on meshes this coarse
+}
+
 TEST(Precision, TimeFollowsTheToleranceAndTheStep) {
   const PrecisionStudy study = manufactured();
   const PrecisionResult result = precision_of(study);

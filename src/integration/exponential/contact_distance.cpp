@@ -21,12 +21,6 @@ namespace {
 // An error that vanishes like s^2 (1-s)^2 on each half, 1 at most, has 1.6 as Bernstein coefficients 2 and 3.
 bool may_err(std::size_t i) { return i % 6 == 2 || i % 6 == 3; }
 
-double slope(const VectorXd& c, double sigma) {
-  double sum = 0.0;
-  for (Index k = c.size(); k-- > 1;) sum = sum * sigma + static_cast<double>(k) * c[k];
-  return sum;
-}
-
 }  // namespace
 
 SampledRange::SampledRange(const std::array<double, 5>& f, const std::array<double, 3>& g) {
@@ -73,6 +67,12 @@ bool SampledRange::monotone() const {
 double value(const VectorXd& c, double sigma) {
   double sum = 0.0;
   for (Index k = c.size(); k-- > 0;) sum = sum * sigma + c[k];
+  return sum;
+}
+
+double slope(const VectorXd& c, double sigma) {
+  double sum = 0.0;
+  for (Index k = c.size(); k-- > 1;) sum = sum * sigma + static_cast<double>(k) * c[k];
   return sum;
 }
 
@@ -133,6 +133,20 @@ double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& la
   return 8.0 * rounding * (largest.displacement * bar.modulus + spring) / bar.viscosity * tau;
 }
 
+std::optional<ContactDistance::Push> ContactDistance::push(std::size_t c, const VectorXd& d, double tau,
+                                                           const Largest& largest) const {
+  if (lags_.empty() || lags_[c] == 0.0) return std::nullopt;
+  const double rounded = band(c, largest);
+  if (!penalised_.closed(c) && d[0] >= -rounded) return std::nullopt;
+  Push push{d.head(d.size() - 1), rounded};
+  for (Index k = 0; k < push.along.size(); ++k) {
+    const double rate = lags_[c] / tau * static_cast<double>(k + 1) * d[k + 1];
+    push.along[k] += rate;
+    push.band += 32.0 * rounding * std::abs(rate);
+  }
+  return push;
+}
+
 ContactDistance::Samples ContactDistance::samples(std::size_t c, const std::vector<Series>& motion,
                                                   const std::vector<LoadPolynomial>& p) const {
   const std::size_t quarter = motion.size() / 4;
@@ -155,13 +169,31 @@ bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motio
       band(c, largest), t, t + tau);
 }
 
+// d + (c/k) d' stays positive during the step.
+bool ContactDistance::keeps_push(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
+                                 double tau, const Largest& largest) const {
+  const std::size_t quarter = motion.size() / 4;
+  Samples all{};
+  double band = 0.0;
+  for (std::size_t k = 0; k < all.values.size(); ++k) {
+    const auto sample = push(c, along(c, motion[k * quarter], p[k * quarter]), tau, largest);
+    if (!sample) return false;
+    all.values[k] = sample->along[0];
+    if (k % 2 == 0) all.slopes[k / 2] = sample->along[1] / 2;
+    band = std::max(band, sample->band);
+  }
+  return SampledRange(all.values, all.slopes).lowest() >= -band;
+}
+
 bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& motion,
                                   const std::vector<LoadPolynomial>& p, double tau, const Largest& largest,
                                   double& penetration) const {
   const auto [values, slopes] = samples(c, motion, p);
   const SampledRange range(values, slopes);
-  if (range.lowest() < -band(c, largest)) return false;
-  if (!penalised_.closed(c)) return true;
+  const bool lets_go = !lags_.empty() && lags_[c] > 0.0, closed = penalised_.closed(c);
+  if (lets_go && closed && !keeps_push(c, motion, p, tau, largest)) return false;
+  if (range.lowest() < -band(c, largest)) return lets_go && !closed && keeps_push(c, motion, p, tau, largest);
+  if (!closed) return true;
   const double share = penetration_share(c);
   penetration = std::max(penetration, share * std::ranges::max(values));
   return range.monotone() || share * range.highest() <= penetration * (1.0 + 1e-13) + rounding * largest.displacement +

@@ -26,6 +26,9 @@ class SampledRange {
 /// sum_k c_k sigma^k
 double value(const Eigen::VectorXd& c, double sigma);
 
+/// Its derivative.
+double slope(const Eigen::VectorXd& c, double sigma);
+
 /// Largest value on [0, sigma] of a polynomial that has one maximum there at most.
 double largest_value(const Eigen::VectorXd& c, double sigma);
 
@@ -37,6 +40,9 @@ std::optional<double> first_passage(const Eigen::VectorXd& c, double band);
 ///
 /// An undamped massless node has no displacement of its own in y: it follows its neighbour and the load, and is judged
 /// by where it would be were it open, since a stiff contact leaves no digits of its own displacement.
+///
+/// A stop with k and c lets go (see PenalisedSystem::push_weights): it changes where d + (c/k) d' < 0, from closed, and
+/// from open behind its surface. There the node moves out as long as that is positive: d' > (k/c) |d|.
 class ContactDistance {
  public:
   using Series = LinearLeg<double>::Series;
@@ -49,7 +55,13 @@ class ContactDistance {
   /// All arguments outlive this.
   ContactDistance(const BarSystem& system, const PenalisedSystem& penalised, const PropagatorCache& propagators,
                   const LoadInterpolation& load)
-      : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {}
+      : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {
+    for (std::size_t c = 0; c < penalised.contact_count(); ++c)
+      if (const Stop* stop = penalised.stop(c); stop && stop->damping > 0.0) {
+        lags_.resize(penalised.contact_count());
+        lags_[c] = stop->damping / stop->stiffness;
+      }
+  }
 
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
   /// True if the node of contact c has no displacement of its own.
@@ -57,6 +69,16 @@ class ContactDistance {
 
   /// d's Taylor coefficients over a step.
   Eigen::VectorXd along(std::size_t c, const Series& series, const LoadPolynomial& p) const;
+
+  /// True if a stop lets go.
+  bool lets_go() const { return !lags_.empty(); }
+  /// What decides on a change of contact c in place of d: d + (c/k) d', and to what digit that is known.
+  struct Push {
+    Eigen::VectorXd along;
+    double band;
+  };
+  /// The same from d's Taylor coefficients over a step of length tau; absent where d decides.
+  std::optional<Push> push(std::size_t c, const Eigen::VectorXd& d, double tau, const Largest& largest) const;
 
   /// Penetration per d while contact c is closed.
   double penetration_share(std::size_t c) const { return follows(c) ? penalised_.penetration_share(c) : 1.0; }
@@ -87,12 +109,15 @@ class ContactDistance {
     std::array<double, 3> slopes;
   };
   Samples samples(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p) const;
+  bool keeps_push(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
+                  const Largest& largest) const;
   double slope_noise(std::size_t c, double tau, const Largest& largest) const;
 
   const BarSystem& system_;
   const PenalisedSystem& penalised_;
   const PropagatorCache& propagators_;
   const LoadInterpolation& load_;
+  std::vector<double> lags_;  // c/k of each contact, 0 of one that does not let go; empty where none does
 };
 
 }  // namespace viscobar::exponential

@@ -242,7 +242,7 @@ bool Run::take_long_step(double tau) {
     const double at = static_cast<double>(k) / pieces;
     if (sampled) {
       p.push_back(rescaled(p_, at, 1.0));
-      motion.push_back(propagator_->expand(y, p[k], tau, system_.has_end_rows() ? 2 : 1));
+      motion.push_back(propagator_->expand(y, p[k], tau, system_.has_end_rows() || distance_.lets_go() ? 2 : 1));
     }
     if (k < pieces) propagator_->advance(level_ - halvings, y, rescaled(p_, at, 1.0 / pieces));
   }
@@ -273,6 +273,7 @@ void Run::take_short_step(double tau) {
   double sigma = 1.0;
   std::optional<std::size_t> changing;
   std::vector<VectorXd> distances;
+  std::vector<std::optional<ContactDistance::Push>> pushes(contacts());
   // A bar that has stood at the origin has the size of this step's motion: the load's polynomial has roundings, too.
   ContactDistance::Largest known = largest();
   if (contacts() > 0) {
@@ -295,8 +296,14 @@ void Run::take_short_step(double tau) {
         return follow(series, tau);
       continue;
     }
-    const std::optional<double> passage = first_passage(distances[c], distance_.band(c, known));
-    if (passage && (!changing || *passage < sigma)) sigma = *passage, changing = c;
+    pushes[c] = distance_.push(c, distances[c], tau, known);
+    const std::optional<double> passage = pushes[c] ? first_passage(pushes[c]->along, pushes[c]->band)
+                                                    : first_passage(distances[c], distance_.band(c, known));
+    if (passage && *passage <= sigma && (!changing || *passage < sigma)) sigma = *passage, changing = c;
+    if (!pushes[c] || penalised_.closed(c)) continue;
+    // The step ends where the node leaves the stop that has let it go.
+    const std::optional<double> leaves = first_passage(-distances[c], 0.0);
+    if (leaves && *leaves < sigma) sigma = *leaves, changing.reset();
   }
   const double t = t_ + tau * sigma;
   output_until(t, tau, [&](double at) {
@@ -318,7 +325,7 @@ void Run::take_short_step(double tau) {
   t_ = t;
   if (!changing) return lengthen();
   if (ends_) ends_->begin(t_, entries(u), entries(v));
-  change_contacts(*changing, distances, sigma, v);
+  change_contacts(*changing, distances, pushes, sigma, v);
 }
 
 void Run::follow(const Series& series, double tau) {
@@ -333,20 +340,29 @@ void Run::follow(const Series& series, double tau) {
   entered_ = Checkpoint{t_, next_output_, reached(), archived(*this), Checkpoint::Frame::entered};
 }
 
-void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v) {
+void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distances,
+                          const std::vector<std::optional<ContactDistance::Push>>& pushes, double sigma,
+                          const VectorXd& v) {
   std::vector<std::size_t> changing;
   for (std::size_t c = 0; c < contacts(); ++c) {
     if (penalised_.moves(c)) continue;
     const double away = sign(c) * v[node(c)];
     const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
-    if (c == first || (leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest())))
-      changing.push_back(c);
+    const bool changes =
+        pushes[c] ? slope(pushes[c]->along, sigma) < 0.0 && std::abs(value(pushes[c]->along, sigma)) <= pushes[c]->band
+                  : leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest());
+    if (c == first || changes) changing.push_back(c);
   }
   const double before = energy_of_followers();
   for (const std::size_t c : changing) {
+    if (pushes[c] && statistics_.energy) {  // what the spring stores goes as it lets go
+      const double out = penalised_.closed(c) ? 1.0 : -1.0;
+      add({.dissipated = out * penalised_.stop(c)->energy(out * value(distances[c], sigma))});
+    }
     penalised_.set_closed(c, !penalised_.closed(c));
     if (penalised_.closed(c)) measure_from_obstacle(c);
-    if (!distance_.follows(c)) y_[node(c)] = propagators_.surface(c);  // to the digits that only the new leg needs
+    if (!distance_.follows(c) && !pushes[c])
+      y_[node(c)] = propagators_.surface(c);  // to the digits that only the new leg needs
     tell_change(c, v[node(c)]);
   }
   begin_leg();
@@ -464,11 +480,12 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
   // Again from the penetration itself, which has more digits than the displacement.
   const auto reaction = [&](Index end) {
     double sum = 0.0;
-    for (std::size_t c = 0; c < contacts(); ++c)
-      if (penalised_.closed(c) && node(c) == end)
-        sum += sign(c) *
-               penalised_.law(c).reaction(distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma),
-                                          -sign(c) * v[end]);
+    for (std::size_t c = 0; c < contacts(); ++c) {
+      if (!penalised_.closed(c) || node(c) != end) continue;
+      const double force = penalised_.law(c).reaction(
+          distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -sign(c) * v[end]);
+      sum += sign(c) * (penalised_.stop(c) ? std::max(force, 0.0) : force);
+    }
     return sum;
   };
   if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);

@@ -127,7 +127,9 @@ class Run {
   void follow(const Series& series, double tau);
 
   // Contact `first` reaches its change; so do those that are at theirs up to rounding and go on.
-  void change_contacts(std::size_t first, const std::vector<VectorXd>& distances, double sigma, const VectorXd& v);
+  void change_contacts(std::size_t first, const std::vector<VectorXd>& distances,
+                       const std::vector<std::optional<ContactDistance::Push>>& pushes, double sigma,
+                       const VectorXd& v);
   void tell_change(std::size_t c, double velocity);
 
   // Tells the solution at the output times up to t, which lie in the current step, of length tau; it is bisected for

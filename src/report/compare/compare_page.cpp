@@ -216,7 +216,7 @@ Json to_json(const MethodRun& run) {
     json["relative_tolerance"] = of.tolerance.relative;
     json["absolute_tolerance"] = to_json(allowance(of.tolerance, run.setup.system(), of.end));
   }
-  if (run.built_in && is_penalised(of.method)) json["epsilon"] = run.setup.epsilon;
+  if (run.built_in && is_penalised(of.method) && has_penalty(of.scene)) json["epsilon"] = run.setup.epsilon;
   if (of.restitution) json["restitution"] = *of.restitution;
   json["completed"] = run.recording.has_value();
   json["error"] = run.recording ? Json(nullptr) : Json(run.error);

@@ -96,6 +96,14 @@ void read_changes(FitStudy& study, const SceneFile& scene, const std::string& fi
   study.understood.push_back(table.understood);
 }
 
+// The damping of a stop is a function of it.
+bool gives_damping(const Scene& scene, const std::string& key) {
+  const auto is_of = [&](const EndInput& input, const char* end) {
+    return input.stop && (key == input.stop->key(end, "restitution") || key == input.stop->key(end, "speed"));
+  };
+  return is_of(scene.left_input, "left") || is_of(scene.right_input, "right");
+}
+
 }  // namespace
 
 PreparedFit prepared_fit(const FitRequest& request,
@@ -119,7 +127,8 @@ PreparedFit prepared_fit(const FitRequest& request,
   study.most_runs = request.most_runs;
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
-    if (!is_parameter(key)) direction(scene.run, key);  // refuses keys that are none to vary
+    if (!is_parameter(key) && !gives_damping(scene.run.scene, key))
+      direction(scene.run, key);  // refuses keys that are none to vary
   }
   for (const std::string& text : request.bounds) {
     const auto [key, range] = assignment(text, "--bounds", request.parameters);

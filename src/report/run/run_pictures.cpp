@@ -251,7 +251,7 @@ Picture energies(const Case& run, const ReportData& data) {
   const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
           fmt::format("{} The total and what was dissipated grow by the work that is done on the bar alone.{}",
-                      data.has_springs() ? "Energy of the bar and that stored in the penalty springs of the contacts."
+                      data.has_springs() ? "Energy of the bar and that stored in the springs of the contacts."
                                          : "Kinetic and elastic energy of the bar.",
                       run.files.energy ? " energy.csv has the numbers." : ""),
           {{"energy", "Energy over time", over_time(run, data, axis, 280.0, lines)}}};

@@ -20,13 +20,16 @@ constexpr std::size_t fine = 1000, least_doublings = 3;
 Case on_mesh(const Case& scene, std::size_t elements) {
   Case run = scene;
   run.elements = elements;
-  run.method = MethodName::rigid;
   run.restitution.reset();
   run.tolerance = run.tolerance.with_relative(tolerance);
-  for (const Mass mass : {Mass::fourth_order, Mass::redistributed}) {
-    run.mass = mass;
-    if (sound(run)) return run;
-  }
+  // Stops with laws of their own are what they are in the bar itself.
+  const MethodName by_laws = scene.scene.bar.viscosity > 0.0 ? MethodName::arkode : MethodName::cvode;
+  for (const MethodName method : {MethodName::rigid, by_laws})
+    for (const Mass mass : {Mass::fourth_order, Mass::redistributed}) {
+      run.method = method;
+      run.mass = mass;
+      if ((method == MethodName::rigid || !has_penalty(scene.scene)) && sound(run)) return run;
+    }
   run.mass = scene.mass;
   run.restitution = scene.restitution;
   run.method = MethodName::fully_discrete;
