@@ -99,7 +99,9 @@ MemoryNeed memory_need(const Case& run) {
 }
 
 double memory_limit() {
-  double limit = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  static const double of_machine =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  double limit = of_machine;
   if (rlimit own{}; ::getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY)
     limit = std::min(limit, static_cast<double>(own.rlim_cur));
   static const double of_group = [] {

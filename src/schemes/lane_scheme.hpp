@@ -12,6 +12,8 @@
 
 namespace viscobar::bars {
 
+[[gnu::always_inline]] inline Lanes larger(const Lanes& a, const Lanes& b) { return std::experimental::max(a, b); }
+
 /// The part of a bar's equations that all bars in lanes share: M of density and length 1, and L / h of each element.
 struct Pattern {
   SymmetricTridiagonal inertia;    ///< n unknowns
@@ -58,8 +60,8 @@ struct LaneAccounts {
 
 /// When a run in lanes is to be seen.
 struct LaneOutputs {
-  std::vector<double> times;  ///< in order, in [begin, end]
-  bool fields = false;        ///< all unknowns, not the ends alone
+  std::span<const double> times;  ///< in order, in [begin, end]
+  bool fields = false;            ///< all unknowns, not the ends alone
   std::size_t most_changes = 0;
   std::function<void(std::size_t k, const LaneSample&)> sample;  ///< at times[k]
 };

@@ -11,20 +11,7 @@ namespace {
 
 using namespace viscobar;
 
-const char* const thrown = R"toml(
-[bar]
-length = 1.0
-viscosity = 0.1
-[left]
-kind = "obstacle"
-gap = 0.1
-[initial]
-velocity = -1.0
-[mesh]
-elements = 24
-[time]
-end = 3.0
-)toml";
+const std::string thrown = thrown_between_walls(24, 3.0);
 
 void expect_same(const EnsembleResult& a, std::size_t of_a, const EnsembleResult& b, std::size_t of_b) {
   for (std::size_t o = 0; o < a.outputs.size(); ++o) {
@@ -72,23 +59,15 @@ TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {
     study.outputs = {fmt::format("u_left@{}", end / 64), fmt::format("u_right@{}", end / 64)};
     study.error = scene % 2 == 0 ? 1e-2 : 1e-3;
     const EnsembleResult found = ensemble(study);
-    TextEnsemble rigid = made;
-    rigid.scene += "[method]\nname=\"rigid\"\nrelative_tolerance=1e-10\n";
+    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
     EnsembleStudy exact = rigid.study();
     exact.outputs = study.outputs;
     const EnsembleResult truth = ensemble(exact);
     for (std::size_t i = 0; i < found.bars; ++i) {
       ASSERT_EQ(found.status[i], BarStatus::kept);
       EXPECT_LE(found.error[i], *study.error);
-      double error = 0.0, size = 0.0;
-      const std::size_t width = found.outputs[0].width();
-      for (std::size_t o = 0; o < 2; ++o)
-        for (std::size_t k = i * width; k < (i + 1) * width; ++k) {
-          error = std::max(error, std::abs(found.values[o][k] - truth.values[o][k]));
-          size = std::max(size, std::abs(truth.values[o][k]));
-        }
       ++compared;
-      far_above += error / size > 3.0 * found.error[i];
+      far_above += error_of(found, truth, i, 2) > 3.0 * found.error[i];
     }
   }
   EXPECT_EQ(compared, 240u);

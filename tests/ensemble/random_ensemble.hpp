@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <span>
@@ -39,6 +40,44 @@ struct TextEnsemble {
     return made;
   }
 };
+
+/// A viscous bar thrown at a wall, with another one behind it.
+inline std::string thrown_between_walls(std::size_t elements, double end) {
+  return fmt::format(
+      "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\n"
+      "gap=0.1\nside=\"above\"\n[initial]\nvelocity=-1\n[mesh]\nelements={}\nmass=\"fourth_order\"\n[time]\nend={}\n",
+      elements, end);
+}
+
+/// Bars of it that differ in viscosity, 0.01 to 1, and gap, 0.05 to 0.3.
+inline TextEnsemble thrown_bars(std::size_t elements, double end, std::size_t bars) {
+  std::mt19937_64 random(7);
+  TextEnsemble made{thrown_between_walls(elements, end), {"bar.viscosity", "left.gap"}, {{}, {}}};
+  for (std::size_t i = 0; i < bars; ++i) {
+    made.values[0].push_back(std::pow(10.0, std::uniform_real_distribution<double>(-2.0, 0.0)(random)));
+    made.values[1].push_back(std::uniform_real_distribution<double>(0.05, 0.3)(random));
+  }
+  return made;
+}
+
+/// The same bars by another method, alone: `method` are lines of its table.
+inline TextEnsemble by_method(TextEnsemble made, const std::string& method) {
+  made.scene += "[method]\n" + method;
+  return made;
+}
+
+/// The largest error of the first outputs of a bar, as a share of the largest value of the truth's.
+inline double error_of(const EnsembleResult& found, const EnsembleResult& truth, std::size_t bar, std::size_t outputs) {
+  double error = 0.0, size = 0.0;
+  for (std::size_t o = 0; o < outputs; ++o) {
+    const std::size_t width = truth.outputs[o].width();
+    for (std::size_t k = bar * width; k < (bar + 1) * width; ++k) {
+      error = std::max(error, std::abs(found.values[o][k] - truth.values[o][k]));
+      size = std::max(size, std::abs(truth.values[o][k]));
+    }
+  }
+  return error / size;
+}
 
 /// Bars with obstacles, walls, springs and loads, thrown at the left one.
 inline TextEnsemble random_ensemble(std::mt19937_64& random, std::size_t bars) {

@@ -1,155 +1,203 @@
-// Prints the tables of docs/ensembles.md. Run: build/release/tests/measure_ensemble [speed | errors COUNT SEED]
+// Prints the tables of docs/ensembles.md. Run:
+// build/release/tests/measure_ensemble [speed | memory BARS | orders | errors SCENES SEED]
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
+#include <boost/numeric/odeint.hpp>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "ensemble/random_ensemble.hpp"
-#include "input/described_scene.hpp"
-#include "viscobar/input/scene_file.hpp"
+#include "support/processor_seconds.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace {
 
 using namespace viscobar;
 
-double seconds_of(auto&& work) {
-  const std::clock_t began = std::clock();
-  work();
-  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+const std::vector<std::string> told = {"u_left@0.1", "impulse_left"};
+
+double median(auto values) {
+  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
+  return static_cast<double>(values[values.size() / 2]);
 }
 
-EnsembleStudy study_of(const std::string& scene, std::vector<std::string> keys,
-                       const std::vector<std::vector<double>>& values) {
-  EnsembleStudy study;
-  study.model = [scene, keys](std::span<const double> at) {
-    std::vector<Setting> settings;
-    for (std::size_t k = 0; k < keys.size(); ++k) settings.push_back(std::pair(keys[k], SceneValue(at[k])));
-    return parse_scene_with(scene, "scene", settings).run;
+struct Timed {
+  EnsembleResult result;
+  double rate = 0.0;  // bars a second of the processor
+};
+
+Timed timed(EnsembleStudy study, std::size_t bars) {
+  Timed run;
+  study.outputs = told;
+  study.threads = 1;
+  for (auto& list : study.values) list = list.first(bars);
+  run.rate = static_cast<double>(bars) / seconds_of([&] { run.result = ensemble(study); });
+  return run;
+}
+
+Timed alone(const TextEnsemble& made, const std::string& method, std::size_t bars) {
+  const TextEnsemble other = by_method(made, method);
+  EnsembleStudy study = other.study();
+  study.lanes = false;
+  return timed(study, bars);
+}
+
+// Sixteen bars in one vector of Boost.Odeint, node by node: lumped mass, penalty, Dormand's and Prince's formulas, and
+// no contact change located.
+Timed by_odeint(const TextEnsemble& made, double error, std::size_t bars) {
+  constexpr std::size_t side = 16;
+  using State = std::vector<double>;
+  const Case run = made.run(made.of(0));
+  const std::size_t n = run.elements + 1;
+  const double h = 1.0 / static_cast<double>(run.elements), stiffness = 10.0 / error;
+  Timed timed;
+  EnsembleResult& result = timed.result;
+  for (const std::string& output : told) result.outputs.push_back(ensemble_output(output, run));
+  for (const EnsembleOutput& output : result.outputs) result.values.emplace_back(bars * output.width());
+  const std::vector<double>& times = result.outputs[0].times;
+  const auto pack = [&](std::size_t begin) {
+    const double *viscosity = &made.values[0][begin], *gap = &made.values[1][begin];
+    const auto rates = [&](const State& x, State& rate, double) {
+      const double *u = x.data(), *v = u + n * side;
+      std::copy_n(v, n * side, rate.begin());
+      double *a = &rate[n * side], *impulse = &rate[2 * n * side];
+      std::array<double, side> before{};
+      for (std::size_t i = 0; i < n; ++i) {
+        const double of_mass = 1.0 / (h * (i == 0 || i + 1 == n ? 0.5 : 1.0));
+        for (std::size_t b = 0; b < side; ++b) {
+          const std::size_t k = i * side + b;
+          const double stress = i + 1 < n ? (u[k + side] - u[k] + viscosity[b] * (v[k + side] - v[k])) / h : 0.0;
+          a[k] = of_mass * (stress - before[b]);
+          before[b] = stress;
+        }
+      }
+      for (std::size_t b = 0; b < side; ++b) {
+        const std::size_t last = (n - 1) * side + b;
+        impulse[b] = stiffness * std::max(-(u[b] + gap[b]), 0.0);
+        a[b] += impulse[b] * 2.0 / h;
+        a[last] -= stiffness * std::max(u[last] - 0.1, 0.0) * 2.0 / h;
+      }
+    };
+    State x((2 * n + 1) * side, 0.0);
+    std::fill_n(x.begin() + static_cast<std::ptrdiff_t>(n * side), n * side, -1.0);
+    std::size_t k = 0;
+    namespace ode = boost::numeric::odeint;
+    ode::integrate_times(ode::make_controlled<ode::runge_kutta_dopri5<State>>(error / 10.0, error / 10.0), rates, x,
+                         times.begin(), times.end(), 1e-3, [&](const State& at, double) {
+                           for (std::size_t b = 0; b < side; ++b)
+                             result.values[0][(begin + b) * times.size() + k] = at[b];
+                           ++k;
+                         });
+    std::copy_n(x.end() - side, side, result.values[1].begin() + static_cast<std::ptrdiff_t>(begin));
   };
-  study.keys = std::move(keys);
-  for (const auto& list : values) study.values.emplace_back(list);
-  return study;
-}
-
-// A viscous bar thrown at a wall, with another one behind it.
-std::string thrown(std::size_t elements, double end) {
-  return fmt::format(
-      "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n[right]\nkind=\"obstacle\"\n"
-      "gap=0.1\nside=\"above\"\n[initial]\nvelocity=-1\n[mesh]\nelements={}\nmass=\"fourth_order\"\n[time]\nend={}\n",
-      elements, end);
+  timed.rate = static_cast<double>(bars) / seconds_of([&] {
+                 for (std::size_t begin = 0; begin + side <= bars; begin += side) pack(begin);
+               });
+  return timed;
 }
 
 // Bars a second and core: of the ensemble; of a loop over the library's (2.8) with as many steps, and over rigid at a
-// tenth of the error, each with what the ensemble tells; and of the cases of a sweep by rigid, without their files.
+// tenth of the error, each with what the ensemble tells; of the cases of a sweep by rigid, without their files; and of
+// Boost.Odeint, whose error is that of its median bar beside rigid on the same mass.
 void speed() {
-  std::mt19937_64 random(7);
-  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   fmt::print(
-      "| J | T | error | ensemble | in lanes | steps, median | (2.8) | rigid | sweep | to (2.8) | to sweep |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| J | T | error | ensemble | in lanes | steps, median | (2.8) | rigid | sweep | odeint | its error | to (2.8) "
+      "| to sweep | to odeint |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double end : {2.0, 6.0})
     for (const std::size_t elements : {10, 16, 24, 32, 50})
       for (const double error : {1e-2, 1e-3, 1e-4, 1e-6}) {
-        const std::size_t bars = error < 1e-5 ? 1024 : 8192, few = 256;
-        std::vector<std::vector<double>> values(2, std::vector<double>(bars));
-        for (std::size_t i = 0; i < bars; ++i)
-          values[0][i] = std::pow(10.0, real(-2.0, 0.0)), values[1][i] = real(0.05, 0.3);
-        const std::vector<std::string> keys = {"bar.viscosity", "left.gap"};
-        const std::string scene = thrown(elements, end);
-        const auto rate = [&](EnsembleStudy study, std::size_t count, EnsembleResult& result) {
-          study.outputs = {"u_left@0.1", "impulse_left"};
-          study.threads = 1;
-          for (auto& list : study.values) list = list.first(count);
-          return static_cast<double>(count) / seconds_of([&] { result = ensemble(study); });
-        };
-        EnsembleResult result, other;
-        EnsembleStudy study = study_of(scene, keys, values);
+        const std::size_t bars = error < 1e-5 ? 1024 : 8192, few = 256, fewest = 32;
+        const TextEnsemble made = thrown_bars(elements, end, bars);
+        EnsembleStudy study = made.study();
         study.error = error;
-        const double mine = rate(study, bars, result);
-        std::vector<std::size_t> steps = result.steps;
-        std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(bars / 2));
-        const auto lanes = std::ranges::count(result.ways, BarWay::lanes);
-        const auto alone = [&](const std::string& method) {
-          EnsembleStudy loop = study_of(scene + "[method]\n" + method, keys, values);
-          loop.lanes = false;
-          return rate(loop, few, other);
-        };
-        const double scheme = alone(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n",
-                                                end / static_cast<double>(std::max<std::size_t>(steps[bars / 2], 16))));
-        const std::string by_rigid = fmt::format("name=\"rigid\"\nrelative_tolerance={}\n", error / 10.0);
-        const double rigid = alone(by_rigid);
-        const double sweep =
-            static_cast<double>(few) / seconds_of([&] {
-              for (std::size_t i = 0; i < few; ++i) {
-                SweepCase one{
-                    i, {std::pair(keys[0], SceneValue(values[0][i])), std::pair(keys[1], SceneValue(values[1][i]))}};
-                run_case(scene + "[method]\n" + by_rigid, one, {});
-              }
-            });
-        fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.2f} | {} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} |\n",
-                   elements, end, error, mine, static_cast<double>(lanes) / static_cast<double>(bars), steps[bars / 2],
-                   scheme, rigid, sweep, mine / scheme, mine / sweep);
+        const Timed mine = timed(study, bars);
+        const double steps = median(mine.result.steps);
+        const auto lanes = static_cast<double>(std::ranges::count(mine.result.ways, BarWay::lanes));
+        const double scheme =
+            alone(made, fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / steps), few)
+                .rate;
+        const std::string rigid = fmt::format("name=\"rigid\"\nrelative_tolerance={}\n", error / 10.0);
+        const std::string swept = by_method(made, rigid).scene;
+        const double sweep = static_cast<double>(few) / seconds_of([&] {
+                               for (std::size_t i = 0; i < few; ++i) {
+                                 SweepCase one{i, {}};
+                                 for (std::size_t k = 0; k < made.keys.size(); ++k)
+                                   one.settings.push_back(std::pair(made.keys[k], SceneValue(made.values[k][i])));
+                                 run_case(swept, one, {});
+                               }
+                             });
+        const Timed odeint = by_odeint(made, error, fewest);
+        TextEnsemble lumped = made;
+        lumped.scene.replace(lumped.scene.find("fourth_order"), 12, "lumped");
+        const EnsembleResult truth = alone(lumped, "name=\"rigid\"\nrelative_tolerance=1e-10\n", fewest).result;
+        std::vector<double> errors;
+        for (std::size_t i = 0; i < fewest; ++i) errors.push_back(error_of(odeint.result, truth, i, 1));
+        fmt::print(
+            "| {} | {} | {:.0e} | {:.0f} | {:.2f} | {} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.0e} | {:.1f} | "
+            "{:.1f} | {:.0f} |\n",
+            elements, end, error, mine.rate, lanes / static_cast<double>(bars), steps, scheme,
+            alone(made, rigid, few).rate, sweep, odeint.rate, median(errors), mine.rate / scheme, mine.rate / sweep,
+            mine.rate / odeint.rate);
         std::fflush(stdout);
       }
 }
 
+// Bars that stay in memory, on all cores.
+void memory(std::size_t bars) {
+  const TextEnsemble made = thrown_bars(24, 6.0, bars);
+  EnsembleStudy study = made.study();
+  study.outputs = told;
+  study.error = 1e-2;
+  const auto began = std::chrono::steady_clock::now();
+  const double seconds = seconds_of([&] { ensemble(study); });
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began;
+  rusage use{};
+  getrusage(RUSAGE_SELF, &use);
+  fmt::print("{} bars, J = 24, T = 6, 1e-2: {:.1f} s, {:.0f} bars a second and core, {:.2f} GB at most\n", bars,
+             passed.count(), static_cast<double>(bars) / seconds, static_cast<double>(use.ru_maxrss) / 1e6);
+}
+
 // The error of (2.8) by its steps, beside rigid at 1e-10.
 void orders(std::size_t bars) {
-  std::mt19937_64 random(7);
-  const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-  std::vector<double> viscosity(bars), gap(bars);
-  for (std::size_t i = 0; i < bars; ++i) viscosity[i] = std::pow(10.0, real(-2.0, 0.0)), gap[i] = real(0.05, 0.3);
-  const std::vector<std::vector<double>> values = {viscosity, gap};
   const double end = 6.0;
-  const auto run = [&](const std::string& method, double& seconds) {
-    EnsembleStudy study = study_of(thrown(24, end) + "[method]\n" + method, {"bar.viscosity", "left.gap"}, values);
-    study.outputs = {"u_left@0.1", "impulse_left"};
-    study.threads = 1;
-    EnsembleResult result;
-    seconds = seconds_of([&] { result = ensemble(study); });
-    return result;
+  const TextEnsemble made = thrown_bars(24, end, bars);
+  const auto run = [&](const std::string& method) {
+    const TextEnsemble other = by_method(made, method);
+    return timed(other.study(), bars);
   };
-  double seconds = 0.0;
-  const EnsembleResult truth = run("name=\"rigid\"\nrelative_tolerance=1e-10\n", seconds);
-  fmt::print("rigid at 1e-10: {:.0f} bars a second\n", static_cast<double>(bars) / seconds);
-  std::vector<double> before;
+  const Timed exact = run("name=\"rigid\"\nrelative_tolerance=1e-10\n");
+  const EnsembleResult& truth = exact.result;
+  fmt::print("rigid at 1e-10: {:.0f} bars a second\n", exact.rate);
+  EnsembleResult before;
   for (int level = 4; level < 14; ++level) {
-    const EnsembleResult found =
-        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / (1 << level)), seconds);
+    const auto [found, rate] =
+        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / (1 << level)));
+    EnsembleResult better = found;
+    for (std::size_t k = 0; k < before.bars * found.outputs[0].width(); ++k)
+      better.values[0][k] = (4.0 * found.values[0][k] - before.values[0][k]) / 3.0;
     std::vector<double> errors, of_impulse, extrapolated;
-    const std::size_t width = found.outputs[0].width();
     for (std::size_t i = 0; i < bars; ++i) {
-      double error = 0.0, size = 0.0, better = 0.0;
-      for (std::size_t k = 0; k < width; ++k) {
-        error = std::max(error, std::abs(found.values[0][i * width + k] - truth.values[0][i * width + k]));
-        size = std::max(size, std::abs(truth.values[0][i * width + k]));
-        if (!before.empty())
-          better = std::max(better, std::abs((4.0 * found.values[0][i * width + k] - before[i * width + k]) / 3.0 -
-                                             truth.values[0][i * width + k]));
-      }
-      errors.push_back(error / size);
-      extrapolated.push_back(better / size);
+      errors.push_back(error_of(found, truth, i, 1));
+      extrapolated.push_back(error_of(better, truth, i, 1));
       of_impulse.push_back(std::abs(found.values[1][i] / truth.values[1][i] - 1.0));
     }
-    before = found.values[0];
-    std::ranges::sort(errors);
-    std::ranges::sort(extrapolated);
-    std::ranges::sort(of_impulse);
-    fmt::print(
-        "{} steps: u median {:.1e}, 90 % {:.1e}; extrapolated {:.1e}, {:.1e}; impulse {:.1e}, {:.1e}; {:.0f} bars a second, {:.2f} in lanes\n",
-        1 << level, errors[bars / 2], errors[bars * 9 / 10], extrapolated[bars / 2], extrapolated[bars * 9 / 10],
-        of_impulse[bars / 2], of_impulse[bars * 9 / 10], static_cast<double>(bars) / seconds,
-        static_cast<double>(std::ranges::count(found.ways, BarWay::lanes)) / static_cast<double>(bars));
+    before = found;
+    for (auto* list : {&errors, &extrapolated, &of_impulse}) std::ranges::sort(*list);
+    const auto of = [&](const std::vector<double>& list) {
+      return fmt::format("{:.1e}, {:.1e}", list[bars / 2], list[bars * 9 / 10]);
+    };
+    fmt::print("{} steps: median and 90 % of u: {}; extrapolated {}; impulse {}; {:.0f} bars a second\n", 1 << level,
+               of(errors), of(extrapolated), of(of_impulse), rate);
     std::fflush(stdout);
   }
 }
@@ -172,24 +220,16 @@ void errors(std::size_t scenes, unsigned seed) {
     if (impulse) study.outputs.push_back("impulse_left");
     study.error = std::pow(10.0, -pick(1, 4));
     const EnsembleResult found = ensemble(study);
-    TextEnsemble by_rigid = made;
-    by_rigid.scene += "[method]\nname=\"rigid\"\nrelative_tolerance=1e-10\n";
-    EnsembleStudy exact = by_rigid.study();
+    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
+    EnsembleStudy exact = rigid.study();
     exact.outputs = study.outputs;
     const EnsembleResult truth = ensemble(exact);
-    const std::size_t width = found.outputs[0].width();
     for (std::size_t i = 0; i < bars; ++i) {
       if (found.status[i] > BarStatus::not_kept || truth.status[i] != BarStatus::kept) {
         ++not_told;
         continue;
       }
-      double error = 0.0, size = 0.0;
-      for (std::size_t o = 0; o < 2; ++o)
-        for (std::size_t k = i * width; k < (i + 1) * width; ++k) {
-          error = std::max(error, std::abs(found.values[o][k] - truth.values[o][k]));
-          size = std::max(size, std::abs(truth.values[o][k]));
-        }
-      error /= size;
+      double error = error_of(found, truth, i, 2);
       if (impulse && truth.values[2][i] != 0.0)
         error = std::max(error, std::abs(found.values[2][i] / truth.values[2][i] - 1.0));
       ++all;
@@ -218,10 +258,12 @@ void errors(std::size_t scenes, unsigned seed) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "speed";
+  const auto number = [&](int k, unsigned long otherwise) {
+    return argc > k ? std::strtoul(argv[k], nullptr, 10) : otherwise;
+  };
   if (what == "speed") speed();
+  if (what == "memory") memory(number(2, 1'000'000));
   if (what == "orders") orders(512);
-  if (what == "errors")
-    errors(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 100,
-           argc > 3 ? static_cast<unsigned>(std::strtoul(argv[3], nullptr, 10)) : 1);
+  if (what == "errors") errors(number(2, 100), static_cast<unsigned>(number(3, 1)));
   return EXIT_SUCCESS;
 }

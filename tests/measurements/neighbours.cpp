@@ -8,24 +8,17 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <optional>
 #include <vector>
 
 #include "input/described_scene.hpp"
+#include "support/processor_seconds.hpp"
 namespace {
 
 using namespace viscobar;
 
 constexpr const char* scene =
     "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\n[initial]\nvelocity=-1\n[time]\nend=2.5\n[accuracy]\nerror=1\n";
-
-// Of the processor.
-double seconds_of(auto&& work) {
-  const std::clock_t began = std::clock();
-  work();
-  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-}
 
 /// Of all cases of a sweep.
 struct Sum {

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "studies/accuracy/plan.hpp"
+#include "support/processor_seconds.hpp"
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
@@ -24,13 +24,6 @@
 namespace {
 
 using namespace viscobar;
-
-// Of the processor, all threads together: the clock on the wall tells what else the machine does.
-double seconds_of(auto&& work) {
-  const std::clock_t began = std::clock();
-  work();
-  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-}
 
 std::string setting(const Case& run) {
   if (run.method == MethodName::characteristics) return "characteristics";
