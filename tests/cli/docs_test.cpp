@@ -153,6 +153,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
 
 constexpr Page pages[] = {{"README.md", "readme", 6, 6},
                           {"docs/tutorial.md", "tutorial", 12, 15},
+                          {"docs/usual-jobs.md", "usual_jobs", 5, 9},
                           {"docs/commands.md", "commands", 20},
                           {"docs/model.md", "model", 1, 3},
                           {"docs/report.md", "report", 2},
