@@ -1,4 +1,4 @@
-"""Instructions of a step, by method: the table in docs/internals/design.md, "The size of the house".
+"""Instructions of a step, by method: told in docs/internals/design.md, "The size of the house".
 
 python3 tests/measurements/step_instructions.py PROGRAM [PROGRAM BEFORE]
 
