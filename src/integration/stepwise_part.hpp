@@ -445,9 +445,10 @@ class StepwisePart {
       if (sensitivities_) sensitivities_->after(t, i, y_);
     };
     search_.look_at(begin, t);
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (i == search_.first_contact() || search_.changes(i, t, y_)) switch_one(i);
-    }
+    const std::size_t first = search_.first_contact();
+    switch_one(first);  // it may be told of a time before t
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (i != first && search_.changes(i, t, y_)) switch_one(i);
     watchdog_.change(t, search_.first_contact());
     distrust_toggling();
   }
