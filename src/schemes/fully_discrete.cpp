@@ -222,7 +222,7 @@ class Run {
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
   double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
 
-  // Of obstacles, into the bar, up to the end of the step that begins at t.
+  // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
   void refuse_jumps(double t) {
     for (const Contact& contact : step_->contacts()) {
       if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;

@@ -67,9 +67,8 @@ struct Lift {
 struct FrameJump {
   Lift displacement;  ///< of an obstacle that jumps; 0 where all moves continuously
   Lift velocity;      ///< where a motion has a kink
-  bool displaces() const {
-    return displacement.left != 0.0 || displacement.right != 0.0;
-  }  ///< true if the displacement jumps
+  /// True if the displacement jumps.
+  bool displaces() const { return displacement.left != 0.0 || displacement.right != 0.0; }
 };
 
 /// The energy of a bar and of the springs and masses at its ends.

@@ -18,8 +18,8 @@ namespace viscobar::limit {
 namespace {
 
 constexpr double of_limits = 100.0;  // between the two tolerances that tell a limit's error
-// Of a budget: for the runs that tell when contacts change, and for the steps of the rows that were asked for, which
-// take a third of their time; the rest is for their contacts and traces.
+// Shares of a budget: for the runs that tell when contacts change, and for the steps of the rows that were asked for,
+// which take a third of their time; the rest is for their contacts and traces.
 constexpr double part_of_scouts = 1.0 / 60.0, part_of_rows = 1.0 / 24.0;
 
 Case checked(Case run) {
@@ -28,7 +28,7 @@ Case checked(Case run) {
   return run;
 }
 
-/// Of the processor, of this thread: what a budget buys does not depend on who else is at work.
+/// Processor time of this thread: the runs that a budget allows do not depend on other load of the machine.
 double thread_seconds() {
   std::timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
