@@ -46,7 +46,7 @@ std::vector<Quoted> numbers_of(const std::string& text) {
   return found;
 }
 
-/// Whether it is what the text says.
+/// True if the value is the one that the text gives.
 bool says(const std::string& text, double value) {
   if (text.find(' ') != text.npos) {
     const double told = std::stod(text.substr(text.find(' ')));
@@ -230,7 +230,7 @@ TEST(Pages, HaveNoCommandThatNothingRuns) {
   EXPECT_GT(seen, 50u);
 }
 
-/// Whether a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that
+/// True if a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that
 /// exists.
 bool exists(const std::string& name, const std::string& tests) {
   namespace fs = testing_cli::fs;

@@ -98,8 +98,8 @@ double largest_of(const std::vector<double>& a) {
 
 constexpr unsigned scenes = 40;
 
-/// What follows from displacements that are wrong by a hundred tolerances of the largest one, and velocities by as many
-/// of theirs, for rho L, E / h, eta / h, spring and dashpot of an end.
+/// Error bounds that follow from displacements wrong by a hundred tolerances of the largest one, and velocities by as
+/// many of theirs, for rho L, E / h, eta / h, spring and dashpot of an end.
 struct Allowed {
   Allowed(const Case& run, const Recording& exact) {
     const Bar& bar = run.scene.bar;

@@ -19,7 +19,7 @@ namespace viscobar {
 ///
 ///     a_k'' + eta w a_k' + w a_k = f_k g(t),    w = (k pi)^2,    u = sum a_k cos(k pi x).
 ///
-/// What the series leaves out of u_0 fades as exp(-t/eta), up to 1/(eta^2 w), and is added.
+/// The remainder of the series of u_0 fades as exp(-t/eta), up to 1/(eta^2 w), and is added.
 class BrokenData {
  public:
   explicit BrokenData(unsigned seed) : random_(seed) {
