@@ -546,7 +546,7 @@ class Run {
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
   JumpFilter filter_;
-  std::optional<PenalisedSystem> settled_;  // what it sees of the scheme
+  std::optional<PenalisedSystem> settled_;  // the system of the scheme, as the filter takes it
   double next_break_ = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, double>> begun_;  // breaks that the load has a part of, and the share that is left
   bool spanned_ = false;                          // by an obstacle

@@ -97,8 +97,8 @@ bool slow(const std::string&) { return false; }
 
 struct Page {
   const char *file, *name;
-  std::size_t least;        ///< so that a change of their looks does not make commands invisible
-  std::size_t numbers = 0;  ///< likewise
+  std::size_t least;        ///< commands at least: a change of their looks must not make them invisible
+  std::size_t numbers = 0;  ///< numbers at least
 };
 
 void PrintTo(const Page& page, std::ostream* out) { *out << page.file; }
@@ -120,7 +120,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
   const std::vector<std::string> commands = commands_of(page, std::regex("^viscobar "));
   EXPECT_GE(commands.size(), GetParam().least);
   std::size_t compared = 0;
-  std::map<std::string, nlohmann::json> known;  // what commands print does not change below them
+  std::map<std::string, nlohmann::json> known;  // output of commands that ran, which stays the same below them
   const auto compare = [&](const std::string& prose) {
     for (const auto& [text, source, pointer] : numbers_of(prose)) {
       ++compared;

@@ -161,7 +161,7 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
       EXPECT_NEAR(e.initial, f.initial, 1e-14 * f.initial);
       EXPECT_NEAR(e.final, f.final, allowed.energy);
       EXPECT_NEAR(e.dissipated, f.dissipated, allowed.energy + allowed.dissipated);
-      EXPECT_NEAR(e.work, f.work, 2.0 * allowed.energy + allowed.dissipated);  // what the other two leave
+      EXPECT_NEAR(e.work, f.work, 2.0 * allowed.energy + allowed.dissipated);  // by the balance of the other two
       EXPECT_NEAR(e.balance_error(), 0.0, allowed.energy + allowed.dissipated) << method;
       EXPECT_NEAR(f.balance_error(), 0.0, 1e-9);
     }

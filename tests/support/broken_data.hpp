@@ -202,7 +202,7 @@ class BrokenData {
   double grid_ = 0.0;  // of places
   double viscosity_ = 1.0, end_ = 1.0, tent_middle_ = 0.0, tent_half_ = 0.0, tent_slope_ = 0.0;
   std::string displacement_, velocity_, load_, history_;
-  bool whole_ = false;  // whether the load is written as one function of x and t
+  bool whole_ = false;  // true if the load is written as one function of x and t
   struct Event {
     double time, size;
   };

@@ -346,7 +346,7 @@ class BarSystem {
   };
   struct SeparableVector {
     std::vector<double> weighted;  // M profile
-    std::array<double, 2> held;    // likewise
+    std::array<double, 2> held;    // the same of the ends, where they are fixed
     TimeFunction history;
     NextBreak breaks;
   };
@@ -369,7 +369,7 @@ class BarSystem {
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
-  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // likewise
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // scale K + m rho M
 
   // A field of all nodes with the frame's motion.
   auto moved(const Lift& by, const auto& x) const {
@@ -391,8 +391,8 @@ class BarSystem {
   State initial_;
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
   std::array<EndInput, 2> inputs_;                   // left, right
-  bool varying_forces_ = false;                      // whether their forces are to be added to the load
-  bool following_ = false;                           // whether the frame moves with obstacles, too
+  bool varying_forces_ = false;                      // true if their forces are to be added to the load
+  bool following_ = false;                           // true if the frame moves with obstacles, too
   std::array<bool, 2> free_{};                       // the ends
   bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
   std::vector<Mount> mounts_;                        // of ends that have one

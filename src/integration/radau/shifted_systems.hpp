@@ -37,7 +37,7 @@ class ShiftedSystems {
   struct Node {
     Complex inverse_pivot;
     Complex towards;  // U(i, next) / pivot, next towards the middle
-    Complex away;     // what the row of next loses of this one: L(next, i)
+    Complex away;     // L(next, i), factor of this row in the elimination of the next one
   };
 
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);

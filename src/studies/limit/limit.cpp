@@ -238,8 +238,8 @@ std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, P
 
 // Until the verdict is known, nothing more can be learnt, or the budget does not allow the next run.
 void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
-  constexpr double dear = 1.0 / 120.0;  // of a budget, from which on a shorter run is tried before the next one
-  constexpr std::size_t enough = 3;     // likewise, runs beyond those that were asked for
+  constexpr double dear = 1.0 / 120.0;  // share of a budget from which on a shorter run is tried before the next one
+  constexpr std::size_t enough = 3;     // runs beyond those asked for, from which on the same is done
   bool early = study.budget > 0.0;
   const std::size_t asked = mesh.penalised.size();
   for (;;) {

@@ -215,9 +215,9 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
     if (k < mesh.scheme.size()) runs.push_back(&mesh.scheme[k]);
     if (k < mesh.penalised.size()) runs.push_back(&mesh.penalised[k]);
   }
-  const double decides = 0.25 * study.budget;  // what is kept for that, once there is a row
+  const double decides = 0.25 * study.budget;  // reserved for the verdict, once there is a row
   std::mutex mutex;
-  double under_way = 0.0;  // what runs are expected to take that have begun
+  double under_way = 0.0;  // expected time of the runs that have begun
   double next = limits.empty() ? 0.0 : limits.front()->run.seconds, last = next;
   each(runs, study, purse, [&](Run& run) {
     if (run.run.method == MethodName::fully_discrete) return void(run.trace(mesh.times, purse));

@@ -99,7 +99,7 @@ struct MeshRuns {
   std::vector<Run> other_law;
   std::optional<Run> without_obstacles;
   Judgement judgement = {};
-  std::optional<double> lacking_seconds;  // what the next run would have taken, which the budget did not allow
+  std::optional<double> lacking_seconds;  // of the next run, which the budget did not allow
 
   const KnownLimit* scheme_limit() const { return of_scheme && of_scheme->known() ? &*of_scheme : nullptr; }
   const KnownLimit* own_limit() const {
