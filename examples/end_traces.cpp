@@ -34,7 +34,7 @@ struct Trace {
     }
   }
 
-  // What viscobar asks for: linear between the times of the file, whatever they are.
+  // The solver that viscobar calls: linear between the times of the file, whatever they are.
   Recording operator()(const Case& run) const {
     Recording ends;
     ends.label = "trace";

@@ -57,7 +57,7 @@ class CentralDifferences {
   SpaceTimeFunction load_;
 };
 
-// What viscobar asks for: Case in, Recording out.
+// The solver that viscobar calls: Case in, Recording out.
 Recording own_scheme(const Case& run) {
   namespace odeint = boost::numeric::odeint;
   const Mesh mesh = run.mesh();

@@ -67,7 +67,7 @@ void put_load(Case& run, const py::dict& functions, const std::function<Function
 
 SceneError at_key(const std::string& key, const std::string& message) { return SceneError({{"", 0, 0, key, message}}); }
 
-/// What moves in time by Python functions: forces on the ends, moved ends and obstacles.
+/// Takes the Python functions of time: forces on the ends, motion of ends and obstacles.
 void put_ends(Case& run, const py::dict& functions, const std::function<Function(const char*)>& function) {
   namespace waves = characteristics;
   const Bar& bar = run.scene.bar;
@@ -120,7 +120,7 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
     put("initial.velocity", run.scene.velocity, run.scene.velocity_places);
     put_load(run, functions, function);
     put_ends(run, functions, function);
-    // Of functions that are no formulas; they know no parameters.
+    // Directions are taken again: Python functions are no formulas, and know no parameters.
     if (!functions.empty())
       for (Direction& along : run.directions)
         if (along.key == "bar.length") along = direction(run, along.key);
@@ -134,7 +134,7 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
   }
 }
 
-// What a scheme of one's own reads of a case.
+// Values of a case that a scheme of one's own reads.
 
 std::string end_kind(const EndCondition& end) {
   return is_obstacle(end) ? "obstacle" : is_fixed(end) ? "fixed" : "free";

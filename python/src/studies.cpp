@@ -261,7 +261,7 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
   return py::make_tuple(rows, orders);
 }
 
-/// What `viscobar fit` prints, and its page.
+/// Output of `viscobar fit` as JSON, and its page.
 py::tuple fit_scene(const std::string& text, FitRequest request) {
   Faults faults;
   std::atomic<bool> stop{false};

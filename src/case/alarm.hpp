@@ -7,10 +7,10 @@
 
 namespace viscobar {
 
-/// That the numbers of a run contradict each other: it is further from the solution than its method promises.
+/// A contradiction between the numbers of a run: it is further from the solution than its method promises.
 struct Alarm {
-  std::string what;      ///< what contradicts what, by how much
-  bool ruinous = false;  ///< whether nothing of the result can be relied on
+  std::string what;      ///< the two numbers that disagree, and by how much
+  bool ruinous = false;  ///< true if nothing of the result can be relied on
 };
 
 /// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is

@@ -38,7 +38,7 @@ std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegi
       is_penalised(run.method) ? !(run.restitution && *run.restitution == 0.0) : run.restitution.value_or(0.0) > 0.0;
   std::string remedies;
   const auto add = [&](const std::string& remedy) { remedies += (remedies.empty() ? "" : ", ") + remedy; };
-  // What is said must be possible by one --set.
+  // A remedy must be possible by one --set.
   const auto offer = [&](const std::string& remedy, auto&& change) {
     Case changed = run;
     change(changed);

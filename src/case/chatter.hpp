@@ -21,7 +21,7 @@ class ChatterWatch {
   /// Closings within the time of a wave to the other end and back that make it chatter.
   static constexpr std::size_t closings = 16;
 
-  /// Of runs of `system`.
+  /// Watches runs of `system`.
   explicit ChatterWatch(const BarSystem& system);
 
   /// Where and when chatter was recognised.
@@ -35,7 +35,7 @@ class ChatterWatch {
   /// To be told every change; the first chatter of a run, once.
   std::optional<Chatter> heard(const Event& event);
 
-  /// What a checkpoint holds of it.
+  /// Members that a checkpoint holds.
   static void members(auto& watch, auto&& each) { each(watch.ends_, watch.span_, watch.told_); }
 
  private:
@@ -53,7 +53,7 @@ class ChatterWatch {
   bool told_ = false;
 };
 
-/// What takes the chatter of a contact away, in keys of the scene; empty where nothing is known.
+/// Remedies against the chatter of a contact, in keys of the scene; empty where none is known.
 std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegime>& regime, Where where);
 
 /// The warning of a run that chatters: where and how fast, what it means and costs, and what to change.

@@ -13,7 +13,7 @@ namespace viscobar {
 
 namespace {
 
-// Of a function of x at x / L, as L grows: x / L times its slope, by central differences.
+// Derivative of f by L at fixed x / L: x / L times the slope of f, by central differences.
 SpaceFunction carried(const SpaceFunction& f, double length) {
   return [f, length](double x) {
     const double step = 1e-5 * length, low = x - step < 0.0 ? x : x - step, high = x + step > length ? x : x + step;

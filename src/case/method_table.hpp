@@ -9,11 +9,11 @@
 
 namespace viscobar {
 
-/// What makes a method's error small: tolerances, a fixed time step with the constraint solved in each, or nothing, for
-/// it is exact in time.
+/// Control of a method's error in time: tolerances, a fixed time step with the constraint solved in each, or none, as
+/// the method is exact to rounding.
 enum class Accuracy { tolerances, step, rounding };
 
-/// What a step costs: step + node * (number of nodes) seconds.
+/// Cost of a step: step + node * (number of nodes) seconds.
 struct StepSeconds {
   double step, node;
 };
@@ -33,11 +33,11 @@ struct MethodRow {
   bool takes_algebraic_rows = true;                        ///< massless contact nodes without viscosity
   bool takes_laws = false;                                 ///< stops with a law of their own
 
-  /// Whether that of massless contact nodes, whose rows are algebraic without viscosity.
+  /// True if it takes massless contact nodes, whose rows are algebraic without viscosity.
   bool takes_massless(const Case& on) const { return takes_algebraic_rows || on.scene.bar.viscosity > 0.0; }
 };
 
-/// Whether the case has massless contact nodes without viscosity, whose equations are algebraic.
+/// True if the case has massless contact nodes without viscosity, whose equations are algebraic.
 bool has_algebraic_rows(const Case& run);
 
 /// The mass `fourth_order` takes elements of at most this many times their neighbours, measured by int dx / A.

@@ -159,7 +159,7 @@ struct Sight {
   bool complete = false;  ///< all first impacts are among it
 };
 
-/// What that run meets in so many steps.
+/// First contacts and chatter that the run meets in so many steps.
 Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop) {
   const Setup trial = resolve(std::move(run));
   const Scene& scene = trial.run.scene;
@@ -169,7 +169,7 @@ Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop
   auto& impacts = found.impacts;
   const auto known = [&](Where where) { return std::ranges::find(impacts, where, &FirstImpact::where); };
   const BarSystem system = trial.system();
-  // What lies on its obstacle and moves into it hits at once.
+  // A node that lies on its obstacle and moves into it hits at once.
   const State start = system.initial_state();
   for (const Contact& contact : system.contacts()) {
     const double u = start.u[contact.unknown], v = contact.sign * start.v[contact.unknown];

@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// Whether a penetration is a tenth or more of the largest displacement, or of the gap where that is larger: the bar
+/// True if a penetration is a tenth or more of the largest displacement, or of the gap where that is larger: the bar
 /// goes through the obstacle rather than to it.
 inline bool is_no_obstacle(double penetration, double displacement) {
   constexpr double share = 0.1;
@@ -21,13 +21,13 @@ inline const char* natural_epsilon_words(const Scene& scene) {
   return scene.span && end_obstacles(scene) == 0 ? "L^2/E" : "L/E";
 }
 
-/// What to do about an epsilon at which the obstacle is none, in keys of the scene.
+/// Remedies for an epsilon at which the bar goes through the obstacle, in keys of the scene.
 std::string stiffer_advice(const Setup& setup);
 
 /// Largest penetration of the first impact at a given speed, within a factor of two.
 struct ImpactPrediction {
-  /// What the contact sets in motion first: a viscous layer, an elastic wave, the end node alone, or, on a spring that
-  /// is softer than the bar, the whole bar.
+  /// The part of the bar that the contact sets in motion first: a viscous layer, an elastic wave, the end node alone,
+  /// or, on a spring that is softer than the bar, the whole bar.
   enum class Layer { viscous, elastic, node, bar };
   double speed = 0.0;         ///< V > 0, towards the obstacle
   double penetration = 0.0;   ///< at its peak
@@ -88,14 +88,14 @@ struct FirstImpact {
   Where where = Where::left;  ///< of the obstacle
   double time = 0.0;          ///< of the closing
   double speed = 0.0;         ///< towards the obstacle
-  double time_error = 0.0;    ///< 0 where the run's own method tells: the run has the same; else what may be wrong
-  double speed_error = 0.0;   ///< likewise
+  double time_error = 0.0;    ///< at most; 0 where the run's own method found it
+  double speed_error = 0.0;   ///< of the speed, as time_error
 };
 
-/// What a run will meet.
+/// First contacts of a run, and its chatter, foreseen.
 struct Foresight {
   std::vector<FirstImpact> impacts;  ///< at the left end, the right end and under the span, before the end
-  std::optional<bool> chatters{};    ///< whether a contact does so within a wave's way and back after them
+  std::optional<bool> chatters{};    ///< true if a contact chatters within 2 L / c after them
 };
 
 /// By the run's own method, as long as that takes no more than 3 10^6 nodal steps; what it has not met by then, by the

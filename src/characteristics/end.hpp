@@ -50,9 +50,9 @@ class End {
   /// Sets `sent` to the wave it sends while `arriving` arrives, up to s = until.
   void answer(const Piecewise& arriving, double until, const Scale& scale, Piecewise& sent);
 
-  /// Displacement, of an obstacle's end its clearance s u + gap, as between two passages.
+  /// Displacement between two passages; the clearance s u + gap at an end with an obstacle.
   double place() const { return place_; }
-  double displacement() const { return displacement_of(place_); }  ///< likewise
+  double displacement() const { return displacement_of(place_); }  ///< u between two passages
   /// Within the passage answered last, of which `sent` was sent.
   double displacement_at(double s, Cursor& sent) const;
   double velocity_at(double s, Cursor& sent) const;

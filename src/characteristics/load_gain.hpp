@@ -67,7 +67,7 @@ class LoadGain {
 
  protected:
   LoadGain() = default;
-  virtual void prepare(std::size_t) {}  // what depends on the passage only
+  virtual void prepare(std::size_t) {}  // takes the terms that depend on the passage only
   virtual double gain(const Way& way) = 0;
   virtual double size() const { return 0.0; }                    // of what gains are sums of
   virtual std::span<const double> places() const { return {}; }  // where the load breaks in x,

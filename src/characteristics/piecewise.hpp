@@ -19,8 +19,8 @@ class Piecewise {
     std::uint32_t first = 0, terms = 0;
 
     double z(double s) const { return (s - middle) / half; }
-    double from() const { return middle - half; }  ///< of that interval
-    double to() const { return middle + half; }    ///< likewise
+    double from() const { return middle - half; }  ///< start of that interval
+    double to() const { return middle + half; }    ///< end of that interval
     double width() const { return end - begin; }
 
     static void members(auto& piece, auto&& each) {

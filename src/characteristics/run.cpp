@@ -143,7 +143,7 @@ void Run::answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, doub
 }
 
 void Run::leave() {
-  constexpr double of_time = 1e-8;  // what lasts longer is no rounding of a time
+  constexpr double of_time = 1e-8;  // a longer piece is no rounding of a time
   const double tolerance = 8.0 * rounding * now_.velocity_scale, negligible = 64.0 * rounding * now_.velocity_scale;
   for (BarEnd* end : {&left_, &right_}) {
     if (end->sent.size() <= 2 * end->simplified + 8) continue;

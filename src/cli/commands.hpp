@@ -37,7 +37,7 @@ CLI::Validator in_range(Number low, Number high) {
   return {problem, fmt::format("{} in [{} - {}]", CLI::detail::type_name<Number>(), low, high)};
 }
 
-/// What a command does when its options have been read; gives the exit code.
+/// Action of a command once its options are read; returns the exit code.
 using Action = std::function<int()>;
 
 /// Each gives a command its options; main.cpp has their names and descriptions.
@@ -87,7 +87,7 @@ void add_error(CLI::App& command, std::string& error, const std::string& what);
 void add_threads(CLI::App& command, std::size_t& threads,
                  const std::string& what = "Runs at a time (default: one a core)");
 
-/// What every command that reads a scene understands: SCENE, --set table.key=value and --json.
+/// Options of every command that reads a scene: SCENE, --set table.key=value and --json.
 struct SceneOptions {
   std::string file;
   std::vector<std::string> overrides;
@@ -98,23 +98,23 @@ struct SceneOptions {
   /// The scene with the user's own values, then those of `settings`; `adapt` is applied before it
   /// is validated. Tells what was read.
   SceneFile read(const std::vector<Setting>& settings = {}, const Adaptation& adapt = {}) const;
-  /// Of the scene file, or of standard input.
+  /// Text of the scene file, or of standard input.
   std::string text() const;
   /// The same without a word, for a scene that is read again.
   SceneFile parse(const std::vector<Setting>& settings, const Adaptation& adapt = {}) const;
 };
 
-/// What every command that writes results understands: -o DIR and --quiet.
+/// Options of every command that writes results: -o DIR and --quiet.
 struct OutputOptions {
   std::string where;
   bool quiet = false;
 
   explicit OutputOptions(CLI::App& command);
-  /// What was asked for, or the name of the file with ".out", in the working directory.
+  /// The directory that was asked for; else the name of the file with ".out", in the working directory.
   std::filesystem::path directory(const std::string& file) const;
 };
 
-/// What the commands of runs and studies understand: a scene, -o DIR, --quiet and --figures.
+/// Options of the commands of runs and studies: a scene, -o DIR, --quiet and --figures.
 struct StudyOptions {
   SceneOptions scene;
   OutputOptions output;
@@ -149,7 +149,7 @@ template <class... Args>
   throw std::invalid_argument(fmt::format(why, std::forward<Args>(args)...));
 }
 
-/// What follows "there is no such word": the nearest one of those that there are, or all of them.
+/// Ending of a message on an unknown word: the nearest known word, or all of them.
 template <class Names>
 std::string instead_of(const std::string& word, const Names& known, std::string_view all = ", only ") {
   const auto nearest = nearest_name(word, known);
@@ -162,8 +162,9 @@ std::vector<Setting> finest_mesh(const std::vector<std::size_t>& elements);
 /// The methods that an option --methods names. @throws std::invalid_argument for an unknown one, with the nearest
 std::vector<MethodName> methods_named(const std::vector<std::string>& words);
 
-/// What "1e-2:1e-8", or one value, means to an option: numbers within [low, high], the larger first, `per_decade` in a
-/// decade. @throws std::invalid_argument that names the option and says with `expected` what its numbers are
+/// Value of an option such as "1e-2:1e-8", or a single number: numbers within [low, high], the larger first,
+/// `per_decade` in a decade. @throws std::invalid_argument that names the option and says with `expected` what its
+/// numbers are
 struct DecadeRange {
   std::string_view option, expected, example;
   double low, high;
@@ -174,8 +175,8 @@ struct DecadeRange {
   double number(const std::string& word) const;
 };
 
-/// What is wrong with a text that is to be a number, finite and above 0, or a number of elements that a mesh may have;
-/// empty when nothing is.
+/// Fault of a text that is to be a number, finite and above 0, or a number of elements that a mesh may have; empty if
+/// it has none.
 std::string positive_number(const std::string& text);
 std::string number_of_elements(const std::string& text);
 

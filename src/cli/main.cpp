@@ -83,7 +83,7 @@ const SceneKey* key_meant(std::string_view word, bool whole) {
   return !whole && is_scene_table(word) ? find_scene_key(word, "name") : nullptr;
 }
 
-/// Of an option that there is not: the option, or the key of the scene, that it was meant to be.
+/// Suggestion for an unknown option: the option, or the key of the scene, that was probably meant.
 std::string option_meant(const CLI::App& command, const std::string& option) {
   const std::string word = plain_name(option.substr(option.find_first_not_of('-')));
   const bool takes_keys = command.get_option_no_throw("--set") != nullptr;
@@ -98,7 +98,7 @@ std::string option_meant(const CLI::App& command, const std::string& option) {
   return key ? set(key) : "";
 }
 
-/// What the user got wrong, with the nearest thing that exists.
+/// Message on a faulty command line, with the nearest word that exists.
 std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.front();
@@ -189,7 +189,7 @@ int run(int argc, char** argv) {
 
 /// Where memory ends inside of what promised not to throw, as libraries do: with a message and without allocating one.
 [[noreturn]] void end_without_memory() {
-  // What leaves a function that promised not to throw may come here unnamed, as from those of std::filesystem.
+  // An exception that leaves a noexcept function may be gone here, as from those of std::filesystem.
   bool memory = !std::current_exception() && std::uncaught_exceptions() > 0;
   try {
     if (std::current_exception()) throw;

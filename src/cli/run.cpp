@@ -163,7 +163,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   progress.reset();
 
   const Outcome& outcome = recorded.outcome;
-  // Of several runs those of the last.
+  // Several runs may have been made: only the events of the last one are kept.
   events.erase(events.begin(), events.end() - static_cast<std::ptrdiff_t>(std::min(events.size(), outcome.events)));
   if (outcome.ending != Ending::completed)
     complain(fmt::format(

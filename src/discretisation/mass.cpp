@@ -92,7 +92,7 @@ SymmetricTridiagonal parabolic(const Functions& functions) {
     above[i] = (p2 + a * p1) / (b * (a + b));
     matrix.diagonal[i] = p0 - below[i - 1] - above[i];
   }
-  above.front() = below.front(), below.back() = above.back();  // what the end rows are beside that is theirs
+  above.front() = below.front(), below.back() = above.back();  // symmetric there: matrix.end_rows holds the difference
   for (std::size_t i = 0; i < last; ++i) {
     matrix.off_diagonal[i] = 0.5 * (above[i] + below[i]);
     matrix.skew[i] = 0.5 * (above[i] - below[i]);

@@ -173,7 +173,7 @@ class Derivative {
   void add_frame();
   // Terms of the frame, by the end's entry among the unknowns.
   auto placed(std::span<const double> u) const;  // the displacement of the bar itself at a node
-  auto moving(std::span<const double> w) const;  // likewise its velocity
+  auto moving(std::span<const double> w) const;  // its velocity
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
   double lift_stretch(std::size_t end, const Lift& lift) const;
   double lift_stress(const Lift& lift, const Lift& rate) const;

@@ -49,7 +49,7 @@ class JumpFilter {
   /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.
   void differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
                      std::span<double> s_rate);
-  bool has_shifted() const { return shifted_; }  ///< whether that call did anything
+  bool has_shifted() const { return shifted_; }  ///< true if that call changed anything
   /// Those of [b] and [b'] of begin(), before it: the derivative is driven by the bar's motion.
   void start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
                    std::span<const double> s_rate, std::span<double> force, std::span<double> rate);

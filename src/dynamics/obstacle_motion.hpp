@@ -13,7 +13,7 @@ inline const NextBreak& breaks_of_gap(const BarSystem& system, const Contact& co
   return system.inputs()[contact.where == Where::right].motion->breaks;
 }
 
-/// What is said of an obstacle that jumps into the bar at t.
+/// Message on an obstacle that jumps into the bar at t.
 inline std::string into_the_bar(const Contact& contact, double t) {
   return fmt::format(
       "the obstacle at the {} end jumps into the bar at t = {}: no bar follows at once, so let it move there in a time "

@@ -51,7 +51,7 @@ class PenalisedSystem {
   const Stop* stop(std::size_t i) const { return stop_in(stops_, i); }        ///< of contact i; null: the penalty
   const Stop* bent(std::size_t i) const { return stop_in(bent_, i); }         ///< the same, of one that is not linear
   std::span<const OwnStop> bent() const { return bent_; }                     ///< all of those
-  bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< whether contact i acts
+  bool closed(std::size_t i) const { return closed_[i] != 0; }                ///< true if contact i acts
   /// True if the obstacle of contact i moves in the frame: it does not act then, and is looked for by gap(t) alone.
   bool moves(std::size_t i) const { return bar_.moves(contact(i)); }
   void set_closed(std::size_t i, bool closed);  ///< from here on
@@ -131,13 +131,13 @@ class PenalisedSystem {
   bool rigid() const { return rigid_; }  ///< epsilon = 0
   /// True if contact i is rigid on a node with mass.
   bool collides(std::size_t i) const { return rigid_ && !massless(contact(i).unknown); }
-  bool collides() const { return collides_; }  ///< whether any does
+  bool collides() const { return collides_; }  ///< true if any contact collides
 
   /// Result of an impact.
   struct Collision {
     bool rests;          ///< the contact stays closed
     double dissipated;   ///< of the energy
-    double end_inertia;  ///< what the end rows of the mass took
+    double end_inertia;  ///< energy that the end rows of the mass took
     double impulse;      ///< P, on the bar
     double height;       ///< H of a rebound onto which the bar is pressed, else 0
   };

@@ -16,7 +16,7 @@ class Series;
 /// Names that formulas may use for numbers, those of [parameters].
 using Parameters = std::map<std::string, double, std::less<>>;
 
-/// What is wrong with a formula, and where.
+/// Fault of a formula, with its place.
 class FormulaError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -38,7 +38,7 @@ class Formula {
   /// @throws FormulaError
   Formula(std::string text, std::string_view variables, const Parameters& parameters = {});
 
-  /// Of 'x' or 't'.
+  /// @param variable 'x' or 't'
   Formula(std::shared_ptr<const Series> series, char variable);
 
   const std::shared_ptr<const Series>& series() const { return series_; }  ///< null where it is none
@@ -70,7 +70,7 @@ class Formula {
 
   /// Its derivative with respect to "x" or to a parameter; an empty function where it does not depend on that.
   SpaceTimeFunction derivative(std::string_view by) const;
-  /// Whether a condition in it depends on "x" or that parameter, so that there is a jump that moves.
+  /// True if a condition in it depends on "x" or that parameter: then a jump moves.
   bool moves_jump(std::string_view by) const;
 
  private:

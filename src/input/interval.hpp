@@ -58,7 +58,7 @@ inline Interval abs(Interval a) {
 }
 inline Interval min(Interval a, Interval b) { return {std::min(a.low, b.low), std::min(a.high, b.high)}; }
 
-/// Whether a + k period is in the interval for some whole k.
+/// True if a + k period is in the interval for some whole k.
 inline bool holds_multiple(Interval interval, double a, double period) {
   return a + std::ceil((interval.low - a) / period) * period <= interval.high;
 }

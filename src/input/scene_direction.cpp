@@ -24,7 +24,7 @@ SpaceFunction rate_of_x(const Formula& formula, const std::string& by, double le
   return [slope](double x) { return slope(x, 0.0); };
 }
 
-// Of L f by p, over L; `stretched` is L' / L.
+// Derivative of L f by p, divided by L; `stretched` is L' / L.
 std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string& by, double length, double stretched) {
   const auto with_mass = [stretched](const SpaceTimeFunction& f, const SpaceTimeFunction& slope) {
     return [=](double x, double t) { return (slope ? slope(x, t) : 0.0) + stretched * f(x, t); };
@@ -52,7 +52,7 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
                      profile->breaks_in_x_at()};
 }
 
-// Of what an end is given, and of the gap of its obstacle at the start.
+// Adds the derivatives of the force and motion of an end, and of the gap of its obstacle at the start.
 void add_rates_of_end(const SceneEntries& entries, const std::string& side, const EndInput& input,
                       const std::string& by, EndCondition& end, EndInput& rates) {
   const auto dependent = [&](const char* key) {

@@ -21,7 +21,7 @@
 
 namespace viscobar {
 
-/// What to say about "table.leaf", which is no key of a scene: the nearest one, or those of the table.
+/// Message on "table.leaf", which is no key of a scene: with the nearest key, or those of the table.
 std::string unknown_key(std::string_view table, std::string_view leaf);
 
 /// The keys of a scene with their values, as far as each is right by itself, where each one stands, and all that was
@@ -50,10 +50,10 @@ class SceneEntries {
   std::optional<std::string> text(std::string_view key) const;
   std::optional<Formula> formula(std::string_view key) const;
   std::vector<std::string> list(std::string_view key) const;  ///< empty where the key is absent
-  std::vector<double> numbers(std::string_view key) const;    ///< likewise
-  /// Of a key that has one; else null.
+  std::vector<double> numbers(std::string_view key) const;    ///< empty where the key is absent
+  /// The series that is the value of a key; null where the value is none.
   std::shared_ptr<const Series> series(std::string_view key) const;
-  /// That series as a result tells it, its file by its whole name and with a checksum.
+  /// The same series as results describe it: its file by its whole name and with a checksum.
   SceneTable described_series(std::string_view key) const;
   /// Those of [parameters] that are sound, by name.
   Parameters parameters() const;
@@ -88,7 +88,7 @@ class SceneEntries {
   void add_text(const std::string& text);
   void add_override(const std::string& text);
   void lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at);
-  /// Of a table, which the text may have written otherwise.
+  /// Adds an entry of a table; `written` is the name of the table in the text.
   void add(const TomlNode& entry, const std::string& written, std::string_view table, const std::string& source);
   void unset(std::string_view name);
   void drop_what_no_longer_belongs();
@@ -111,9 +111,9 @@ class SceneEntries {
   std::vector<Diagnostic> found_;
 };
 
-/// What scale f(t) + offset, or its derivative with respect to a parameter, is to an end.
+/// Motion scale f(t) + offset of an end, or its derivative with respect to a parameter.
 EndMotion motion_of(const Formula& f, const std::string& by, double scale, double offset);
-/// What moves an obstacle with that gap, or the derivative of it; the obstacle has the gap at the start.
+/// Motion of an obstacle with gap(t), or its derivative; `obstacle` has the gap at the start.
 EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacle& obstacle);
 
 /// The direction of a key of a scene file, or of parameters.NAME: formulas are differentiated, not differenced. `run`

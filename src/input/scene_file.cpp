@@ -263,7 +263,7 @@ void check_series(SceneEntries& entries, const Case& run) {
   }
 }
 
-// What moves the bar.
+// Reports a scene in which nothing moves the bar.
 void check_motion(SceneEntries& entries) {
   const auto moves = [&](const char* key) {
     const auto formula = entries.formula(key);

@@ -135,7 +135,7 @@ constexpr SceneKey rows[] = {
     {"output.write", list, optional, "", "[\"ends\", \"events\", \"field\", \"energy\", \"report\"]", "", "files to write beside summary.json; absent: all", {}, files},
     {"output.gauges", numbers, optional, "", "[0.0, 0.25]", "length", "places x whose displacement, velocity, strain and stress gauges.csv has, in any order", not_negative},
 };
-// Of either end, beside its kind and its numbers.
+// Keys of either end, beside its kind and its numbers.
 constexpr SceneKey end_rows[] = {
     {"side", choice, optional, "", "\"below\"", "", "from where the obstacle bounds u; absent: below", {}, end_sides},
     {"force", formula, optional, "", "\"sin(2*t)\"", "stress", "force on a free end or one with an obstacle, in the direction of u", {}, {}, "t"},
@@ -157,7 +157,7 @@ constexpr std::string_view tables[] = {"bar",        "left",        "right", "sp
 
 constexpr std::string_view any_parameter = "parameters.NAME";
 
-/// What viscobar calls a thing, and what papers and other programs call it, in lower case.
+/// A name in viscobar, and its names in papers and other programs, in lower case.
 struct Synonyms {
   std::string_view ours, theirs;
 };

@@ -57,7 +57,7 @@ bool is_inner_table(std::string_view name);
 
 /// True if that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);
-/// That NAME.
+/// NAME of "parameters.NAME".
 std::string_view parameter_name(std::string_view name);
 
 /// Names of the tables, in the order of scene_keys().

@@ -11,8 +11,7 @@
 
 namespace viscobar {
 
-/// What is wrong with a value of a key by itself; empty when nothing is.
-/// Formulas may use the parameters.
+/// Fault of a value of a key by itself; empty if it has none. Formulas may use the parameters.
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters = {});
 
 /// True if such a key takes values of that kind.
@@ -24,7 +23,7 @@ std::optional<double> percentage(std::string_view text);
 /// A TOML value, or else the text itself.
 TomlValue value_of(std::string_view text);
 
-/// Of a number, whole or not.
+/// The value of a number, whole or not; absent for other values.
 std::optional<double> number_of(const TomlValue& value);
 
 /// Numbers of a list, which may be empty; absent for other values.

@@ -133,7 +133,7 @@ class Scanner {
       for (int k = 0; k < 2 && peek() == quote; ++k) ++i_;
   }
 
-  // What follows a backslash in a string of several lines, and blanks and line ends, the parser asks whether it is a
+  // The parser asks of the letter behind a backslash, blanks and line ends in a string of several lines if it is a
   // blank: undefined for most letters beyond ASCII.
   void check_continuation(std::size_t i) const {
     while (i < text_.size() && (is_blank(text_[i]) || text_[i] == '\n')) ++i;

@@ -52,7 +52,7 @@ std::string_view about_line(std::string_view line) {
   return "a line has the form key = value";
 }
 
-// What follows the digits, points, signs and exponent that a value begins with.
+// Advice on a value that begins like a number, by the text behind its digits, points, signs and exponent.
 std::string_view about_number(std::string_view value) {
   const std::size_t end = std::min(value.find_first_not_of("0123456789+-."), value.size());
   const std::string_view rest = value.substr(end);
@@ -91,8 +91,8 @@ std::string_view about_value(std::string_view value) {
   return "";
 }
 
-/// What somebody meant who wrote this line, which is not TOML, and what to write instead: habits from other languages
-/// and formats, such as a decimal comma, // before a comment, a formula without quotes. Empty when it is none of them.
+/// Advice on a line that is not TOML, by habits from other languages and formats: a decimal comma, // before a comment,
+/// a formula without quotes. Empty if it shows none of them.
 std::string_view toml_advice(std::string_view line) {
   line = trimmed(line);
   if (line.empty() || line.starts_with('#') || line.starts_with('[')) return "";

@@ -76,7 +76,7 @@ Cells cells_of(std::string_view line, char separator) {
   return cells;
 }
 
-/// What is behind the mark of a comment; absent for a line that is none.
+/// Text behind the mark of a comment; absent for other lines.
 std::optional<std::string_view> comment_in(std::string_view line) {
   for (const std::string_view mark : {"#", "%", "!", "//"})
     if (line.starts_with(mark)) return line.substr(std::min(line.find_first_not_of("#%!/ \t"), line.size()));

@@ -29,7 +29,7 @@ struct TraceFile {
   std::vector<std::string> doubts;  ///< values that were left out as codes, in sentences
 
   const Column* column(std::string_view name) const;  ///< nullptr where there is none
-  Column* column(std::string_view name);              ///< likewise
+  Column* column(std::string_view name);              ///< nullptr where there is none
 };
 
 /// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers. A name that
@@ -40,8 +40,8 @@ TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::
                       const std::vector<std::string>& required, const std::vector<std::string>& words = {},
                       std::string_view places = {});
 
-/// What a number in the unit `from` is multiplied by to be one in the unit `to`, of "s", "min", "h", "m", "N", "Pa" and
-/// their decimal parts and multiples, and quotients of two such as "mm/s"; absent for others.
+/// Factor from the unit `from` to the unit `to`: "s", "min", "h", "m", "N", "Pa", their decimal parts and multiples,
+/// and quotients of two such as "mm/s"; absent for others.
 std::optional<double> unit_ratio(std::string_view from, std::string_view to);
 
 }  // namespace viscobar

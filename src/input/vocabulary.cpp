@@ -70,7 +70,7 @@ Json to_json(const SceneKey& key) {
 
 std::span<const Choice> choices_of(std::string_view key) { return find_scene_key(key)->choices; }
 
-/// What the scene of the template has; the other keys are commented out.
+/// True if the scene of the template has the key; the other keys are commented out.
 bool is_given(const SceneKey& key) {
   constexpr std::string_view given[] = {"title",         "bar.length",           "bar.viscosity",    "left.kind",
                                         "left.gap",      "right.kind",           "right.gap",        "time.end",

@@ -8,7 +8,7 @@
 
 namespace viscobar {
 
-/// What a scene file may say, in three tables made of scene_keys(): `viscobar list` shows them, docs/scene-file.md
+/// Vocabulary of scene files, in three tables made of scene_keys(): `viscobar list` shows them, docs/scene-file.md
 /// holds them. Words that stand in a scene file are marked with backquotes.
 enum class Vocabulary { methods, masses, keys };
 inline constexpr Vocabulary all_vocabularies[] = {Vocabulary::methods, Vocabulary::masses, Vocabulary::keys};

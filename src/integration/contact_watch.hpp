@@ -44,7 +44,7 @@ class SpanForce {
  private:
   struct Node {
     std::size_t contact, displacement, velocity;  // positions of its entries
-    bool damped;                                  // whether there is one of the velocity
+    bool damped;                                  // true if the entries include the velocity
   };
 
   const PenalisedSystem& system_;
@@ -168,12 +168,12 @@ class ContactWatch {
     std::optional<std::size_t> next{};                // absent: the neighbour is fixed
     std::vector<std::size_t> contacts{};              // of its node
     bool follows = false;                             // its neighbour: massless and undamped
-    bool direct = false;                              // whether R itself is integrated
+    bool direct = false;                              // true if R itself is integrated
     bool shut = false;                                // a contact of it is closed in the step looked at
     double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
     double stiffness = 0.0, dashpot = 0.0;            // of its mount
     double mass = 0.0, coupling = 0.0, beyond = 0.0;  // of its row of rho M, which an end row takes one further
-    bool sided = false;                               // whether its row has resistance along the bar
+    bool sided = false;                               // true if its row has resistance along the bar
     // None of one that is fixed in a moving frame; u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w
     // beyond, with a side that resists the u there, too.
     std::vector<std::size_t> entries{};

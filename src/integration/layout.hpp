@@ -51,7 +51,7 @@ struct Layout {
 
   std::size_t nodes, size, derivatives;
   std::size_t first_derivative = 0, block = 0;
-  bool left = false, right = false;  ///< whether the impulse on that end has an entry
+  bool left = false, right = false;  ///< true if the impulse on that end has an entry
   std::optional<std::size_t> dissipated, work, end_inertia;
 };
 

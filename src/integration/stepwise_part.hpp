@@ -131,7 +131,7 @@ class StepwisePart {
       reach(t);
       system_.complete_velocity(t, u(), w());
       tell_snapshot(t);
-    } catch (const std::exception&) {  // what failed there may fail again
+    } catch (const std::exception&) {  // the failure of the run may come again here
     }
   }
 
@@ -551,7 +551,7 @@ class StepwisePart {
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
   std::size_t next_output_ = 0;
-  bool starts_in_contact_ = false;  // what an impact sets going stays, as at any other one
+  bool starts_in_contact_ = false;  // the filter keeps the motion after an impact
   std::optional<Sensitivities>& sensitivities_;
   std::vector<ChangeSensitivity> changes_;  // of the contact change under way
 };

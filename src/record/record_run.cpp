@@ -256,7 +256,7 @@ class RecordedRun {
   ChatterWatch chatter_;
   PaceWatch pace_;
   std::optional<GrowingFiles> files_;
-  FileChecksums written_;  // what is whole
+  FileChecksums written_;  // of the files that are whole
   std::optional<CheckpointClock> clock_;
   std::vector<double> outputs_, times_;  // and those at which it is watched, too; empty where it is not
   bool stopping_ = false;

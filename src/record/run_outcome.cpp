@@ -26,7 +26,7 @@ std::optional<std::string> growth_warning(const Case& run, const Statistics& don
       energy.growth, energy.growth_time, energy.initial, run.restitution.value_or(0.0));
 }
 
-/// That the data of a scene are no polynomial pieces: how far from it, and what helps.
+/// Warns of data that polynomial pieces approximate badly: their error, and a remedy.
 std::optional<std::string> representation_warning(const Statistics& done) {
   constexpr double roundings = 1e4;
   if (!done.representation || done.representation->error <= roundings * done.representation->rounding)
@@ -37,7 +37,7 @@ std::optional<std::string> representation_warning(const Statistics& done) {
       done.representation->error, done.representation->rounding);
 }
 
-/// That the bar has gone through an obstacle: how deep, and the epsilon to take.
+/// Warns of a bar that has gone through an obstacle: how deep, and the epsilon to take.
 std::optional<std::string> penetration_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
   const Case& run = setup.run;
   if (!is_penalised(run.method) || !done.account || has_stops(run.scene)) return std::nullopt;
@@ -53,8 +53,8 @@ std::optional<std::string> penetration_warning(const Setup& setup, const BarSyst
       done.max_penetration, largest, stiffer_advice(setup));
 }
 
-/// That the derivatives end somewhere: where, and why.
-// Of a viscous bar the text and the page tell it: there every impact has one.
+/// Warns of a peak reaction without a limit. A viscous bar is left out: each of its impacts has such a peak, and the
+/// text and the page say so.
 std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
   if (setup.run.scene.bar.viscosity > 0.0 || !done.account) return std::nullopt;
   if (done.account->left.closings + done.account->right.closings == 0) return std::nullopt;
@@ -62,6 +62,7 @@ std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& sys
   return why ? std::optional("max_reaction: " + *why) : std::nullopt;
 }
 
+/// Warns of sensitivities that end before the run: when, and why.
 std::optional<std::string> sensitivity_warning(const Statistics& done) {
   if (!done.sensitivity || !done.sensitivity->lost) return std::nullopt;
   return fmt::format("sensitivities: there are none from t = {:.9g} on: {}", *done.sensitivity->lost,

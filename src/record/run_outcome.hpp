@@ -20,8 +20,8 @@ void fail(Outcome& outcome, Ending ending, const std::string& error);
 void simulate_into(Outcome& outcome, const Setup& setup, const BarSystem& system, const std::optional<Checkpoint>& from,
                    const Observers& observers, std::span<const double> times = {});
 
-/// What a run with an energy account tells against itself: each warning goes to `warn`, a ruinous alarm fails the
-/// outcome. The result is kept either way.
+/// Judges a run by its own account: each warning goes to `warn`, a ruinous alarm fails the outcome. The result is kept
+/// either way.
 void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn);
 

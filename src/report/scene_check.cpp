@@ -112,7 +112,7 @@ std::string contact_kind(const Setup& setup) {
 
 namespace {
 
-/// What a contact that bounces means for the limit epsilon -> 0, and what to change.
+/// Advice on a contact that bounces: its meaning for the limit epsilon -> 0, and the remedy.
 std::string advice(const Setup& setup, const ContactRegime& regime, bool here) {
   const Case& run = setup.run;
   const bool span = regime.where == Where::span;

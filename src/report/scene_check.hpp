@@ -14,7 +14,7 @@
 
 namespace viscobar {
 
-/// What `viscobar check` knows of a sound scene before it runs.
+/// Findings of `viscobar check` on a sound scene.
 struct SceneCheck {
   SceneFile scene;                     ///< with the settings that [accuracy] leads to
   Setup setup;                         ///< of its case
@@ -25,7 +25,7 @@ struct SceneCheck {
   std::optional<ErrorEstimate> error;  ///< that the run will tell; absent for large scenes
   std::size_t error_elements = 0;      ///< of the mesh that it is of: fewer where the scene's takes long
   std::string no_error;                ///< why it is absent, in half a sentence
-  std::vector<std::string> warnings;   ///< what to change, in sentences
+  std::vector<std::string> warnings;   ///< with remedies, a sentence each
 };
 
 /// `stop` ends runs that are made for the check; may be empty.
@@ -41,7 +41,7 @@ std::string_view load_kind(const Scene& scene);
 std::string side_text(const Scene& scene);
 /// The section that varies, in words.
 std::string section_text(const Scene& scene);
-/// What an end is given and what that adds to the model, a sentence for each.
+/// Forces, motion and mounts of an end, and their terms in the model, a sentence for each.
 std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
 std::string contact_kind(const Setup& setup);
 

@@ -26,8 +26,8 @@ void check_length(const fs::path& file, std::uint64_t length) {
   if (size < length) throw IoError(file, "is shorter than at the checkpoint: it was changed since");
 }
 
-// Of the number that a key names. Under the span a reaction is a force per length of the bar, so epsilon has a length
-// more there, and none of its own where the same number serves an end.
+// Unit of the number that a key names. Under the span a reaction is a force per length of the bar, so epsilon has a
+// length more there, and none of its own where the same number serves an end.
 std::optional<UnitPowers> unit_of(std::string_view key, const Scene& scene) {
   const SceneKey* row = find_scene_key(key);
   auto unit = row ? unit_powers(row->unit) : std::nullopt;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view no_digits = "0000000000000000", before = "\"crc64\": \"", behind = "\"\n}\n";
 
-// Of the obstacles that there are.
+// Account of each obstacle of the scene.
 Json contact_json(const Scene& scene, const Outcome& outcome) {
   const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
   Json contacts = Json::object();
@@ -34,7 +34,7 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   return contacts;
 }
 
-// What is not a number becomes null.
+// NaN becomes null.
 Json sensitivity_json(const Case& run, const Outcome& outcome) {
   const SensitivityAccount* account =
       outcome.statistics && outcome.statistics->sensitivity ? &*outcome.statistics->sensitivity : nullptr;

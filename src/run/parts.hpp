@@ -26,7 +26,7 @@ inline void require_times(std::span<const double> times) {
     throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
 }
 
-/// Whether a node is at an obstacle that moves, or beyond.
+/// True if a node is at an obstacle that moves, or beyond.
 inline bool touches_moving(const BarSystem& system, double t, std::span<const double> u) {
   return std::ranges::any_of(system.contacts(), [&](const Contact& one) {
     return system.moves(one) &&
@@ -165,7 +165,7 @@ class CheckpointSchedule {
 
   /// The next one in simulated time.
   std::optional<double> next() const { return next_; }
-  /// Whether one is due at the end of a step at t.
+  /// True if one is due at the end of a step at t.
   bool due(double t) const {
     return checkpoints_ && ((next_ && t >= *next_) || (checkpoints_->asked && checkpoints_->asked()));
   }

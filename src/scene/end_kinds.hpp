@@ -32,7 +32,7 @@ struct EndKind {
   std::string_view in_words;  ///< completes "the end is ..."
   std::string_view meaning;
   EndCondition harmless;                     ///< with numbers that no other check can take offence at
-  bool sided;                                ///< whether it has a side
+  bool sided;                                ///< true if it has a side
   std::span<const std::string_view> inputs;  ///< keys of what it may be given beside (see EndInput)
   std::span<const EndNumber> numbers;
   EndNode (*node)(const EndCondition&, double initial_displacement);

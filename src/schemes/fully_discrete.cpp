@@ -222,7 +222,7 @@ class Run {
   double sign(std::size_t k) const { return step_->contacts()[k].sign; }
   double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
 
-  // Of obstacles, into the bar, up to the end of the step that begins at t.
+  // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
   void refuse_jumps(double t) {
     for (const Contact& contact : step_->contacts()) {
       if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
@@ -546,7 +546,7 @@ class Run {
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;
   JumpFilter filter_;
-  std::optional<PenalisedSystem> settled_;  // what it sees of the scheme
+  std::optional<PenalisedSystem> settled_;  // the system of the scheme, as the filter takes it
   double next_break_ = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, double>> begun_;  // breaks that the load has a part of, and the share that is left
   bool spanned_ = false;                          // by an obstacle

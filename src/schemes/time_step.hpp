@@ -72,7 +72,7 @@ class TimeStep {
   std::span<const double> start_impulse() const { return start_impulse_; }
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n >= 0, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
-  std::span<const unsigned char> active() const;  ///< whether u^{n+1} is held by its bound
+  std::span<const unsigned char> active() const;  ///< of each contact: true if its bound holds u^{n+1}
 
   /// (M f)_e of a fixed end.
   double load_held(double t, bool right) const { return load_ ? load_->at_held(t, right) : 0.0; }

@@ -54,7 +54,7 @@ struct PlannedCost {
   static void members(auto& self, auto&& each) { each(self.index, self.seconds); }
 };
 
-/// What archived() made: all ranks run the same program. @throws ArchiveError
+/// Inverse of archived(): all ranks run the same program. @throws ArchiveError
 template <class Value>
 Value unpack(std::string_view bytes) {
   Value value;

@@ -61,7 +61,7 @@ struct Derivatives {
 
 void add_sentence(std::string& text, const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; }
 
-// Whether nothing interrupted it. A probe is told the motion at `times`.
+// Runs a case into a row. False if interrupted. A probe is told the motion at `times`.
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
                    accuracy::Probe* probe = nullptr, std::span<const double> times = {},
                    Statistics* statistics = nullptr) {

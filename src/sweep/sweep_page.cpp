@@ -34,7 +34,7 @@ std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const 
   return shown;
 }
 
-/// What to look at first of these columns: what says what the bar did.
+/// The columns among these that describe the motion of the bar, the most telling first.
 std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
   using enum Quantity;
   constexpr Quantity order[] = {events,

@@ -14,7 +14,7 @@ struct SweepWork {
   SweepQueue& queue;
   std::function<void(const SweepRow&)> take;  ///< each row, in the thread that called; may throw, which ends the sweep
   std::function<void()> tick;                 ///< a few times a second
-  std::function<bool()> interrupted;          ///< whether to give up; from any thread
+  std::function<bool()> interrupted;          ///< true to give up; called from any thread
 };
 
 /// Runs the cases, each as soon as one of the threads is free. False when interrupted: the cases under way are given

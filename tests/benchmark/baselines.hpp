@@ -7,14 +7,14 @@
 
 namespace viscobar::baseline {
 
-/// What every contender of a comparison returns: u(0, t) at the given times, the steps it took, and the contact changes
+/// Result of every contender of a comparison: u(0, t) at the given times, the steps it took, and the contact changes
 /// that it located, if it does.
 struct Trace {
   std::vector<double> left;
   std::size_t steps = 0, changes = 0;
 };
 
-/// What a contender is given. The mass must be lumped: the baselines need u'' explicitly.
+/// Problem that every contender solves. The mass must be lumped: the baselines need u'' explicitly.
 struct Problem {
   const BarSystem& system;
   double epsilon;
@@ -53,7 +53,7 @@ class Interleaved {
   std::vector<double> load_, inverse_mass_;
 };
 
-/// What stock CVODE does at a contact change.
+/// Treatment of a contact change by stock CVODE.
 enum class AtChange {
   nothing,       ///< steps across the kink
   restart,       ///< locates it by its root finding and re-initialises, with a first step of its own estimation

@@ -1,5 +1,6 @@
-// What to do at a contact change, measured on stock CVODE, where nothing else changes with it: step across the kink, or
-// re-initialise with one of three first steps. Beside it cvode, whose legs are frozen, at the local tolerance.
+// Cost of the treatment of a contact change, measured on stock CVODE, where nothing else changes with it: step across
+// the kink, or re-initialise with one of three first steps. Beside it cvode, whose legs are frozen, at the local
+// tolerance.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What runs of cvode, ida and arkode cost by mesh, and by penalty and mass: the throw, T = 2.
+// Cost of runs of cvode, ida and arkode by mesh, and by penalty and mass: the throw, T = 2.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

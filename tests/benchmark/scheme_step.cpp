@@ -1,4 +1,4 @@
-// What a step of scheme (2.8) costs, per node, beside a vector triad a_i = b_i + s c_i over as many numbers and beside
+// Cost of a step of scheme (2.8) per node, beside a vector triad a_i = b_i + s c_i over as many numbers and beside
 // the scheme in the paper's way, in the same run. A bar under its weight with both ends in flight, and with both in
 // contact.
 #include <benchmark/benchmark.h>

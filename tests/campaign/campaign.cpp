@@ -117,7 +117,7 @@ std::string scene_text(std::uint64_t seed, std::size_t index) {
   scene.modulus = draw.decades(0.1, 10.0);
   scene.elements = static_cast<int>(draw.between(2.0, 11.0));
   const double speed = std::sqrt(scene.modulus / scene.density), transit = scene.length / speed;
-  // Of a mode of the bar: rate times eta / E is twice its damping ratio.
+  // Damping ratio of a mode of the bar: half its frequency times eta / E.
   scene.viscosity = draw.chance(0.15) ? 0.0 : draw.decades(1e-4, 3.0) * scene.modulus * transit;
   scene.mass = draw.one_of({"consistent", "lumped", "redistributed"});
   scene.method = draw.one_of({"cvode", "ida", "arkode", "odeint"});

@@ -26,7 +26,7 @@ struct TrueError {
   double own = 0.0;    ///< how far the two finer runs are apart
   bool sharp() const { return own <= 0.1 * error; }
 };
-/// Of a sound case. Absent where its truth takes too long or fails.
+/// True error of a sound case. Absent where its reference takes too long or fails.
 std::optional<TrueError> true_error(const Case& run);
 
 }  // namespace viscobar::campaign

@@ -21,7 +21,7 @@ enum class Verdict {
 struct JudgedSample {
   Verdict verdict = Verdict::right;
   std::string spoiled;  ///< how
-  std::string said;     ///< what the judge told
+  std::string said;     ///< message of the judge
 };
 
 /// Solves the scene by scheme (2.8) on two meshes, whose difference is the error of the finer one, samples it, spoils

@@ -142,7 +142,7 @@ std::string sound_scene(std::uint64_t seed, std::size_t index) {
       drawn_contact();
       mesh = "mass = \"lumped\"\n";
       break;
-    default: {  // what moves comes back
+    default: {  // the end or obstacle comes back
       const std::string path =
           fmt::format("{}*(1-cos({}*t))", u, 2.0 * std::numbers::pi * draw.one_of({1, 2, 5}) / end);
       left = draw.chance(0.6) ? fmt::format("[left]\nkind = \"fixed\"\nmotion = \"{}\"\n", path)

@@ -98,7 +98,7 @@ TEST(Alarm, DataOfOtherSizesMoveTheBarInProportion) {
   }
 }
 
-// What the tolerances allow is a share of the energy on the way, of which nothing is left at the end.
+// The tolerances allow a share of the largest energy on the way, although none is left at the end.
 TEST(Alarm, IsSilentWhereABarComesToRest) {
   const std::string steel = "[bar]\nlength = 1.0\nmodulus = 2.1e11\ndensity = 7800\n[mesh]\nelements = 10\n";
   for (const std::string& scene :

@@ -59,7 +59,7 @@ std::vector<Given> every_combination() {
   return all;
 }
 
-// What contradicts itself is a span obstacle, all of whose nodes meet it, on massless nodes.
+// The one contradiction is a span obstacle on massless nodes: all nodes meet the obstacle.
 TEST(Automatic, RunsEveryCombinationOfKeysOrRefusesItByTheKeyThatIsWrong) {
   for (const Given& given : every_combination()) {
     std::vector<std::string> wrong;

@@ -41,7 +41,7 @@ TEST(CharacteristicsCase, IsRefusedWithTheKeyAndWhatDoesInstead) {
   run.end = 1e9;
   run.output_every = 1e9;
   EXPECT_EQ(faulty_keys(run), std::vector<std::string>{"time.end"});
-  // What other methods need may stay.
+  // Settings that other methods need may stay.
   run = sound;
   run.epsilon.reset();
   run.step.reset();

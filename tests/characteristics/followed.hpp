@@ -8,7 +8,7 @@
 
 namespace viscobar {
 
-/// What a run by characteristics told.
+/// Record of a run by characteristics.
 struct Followed {
   std::vector<double> times;
   std::vector<std::vector<double>> u, v;

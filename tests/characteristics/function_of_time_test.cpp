@@ -1,4 +1,4 @@
-// What a function that is known by its values alone becomes as the motion of an end.
+// Motion of an end by a function that is known by its values alone.
 #include "characteristics/function_of_time.hpp"
 
 #include <gtest/gtest.h>

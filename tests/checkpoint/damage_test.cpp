@@ -248,7 +248,7 @@ TEST_F(Damage, IsNotRiskedByResumingWithAnotherBuild) {
   EXPECT_EQ(resume_run(scene, scratch / "out").outcome.ending, Ending::completed);
 }
 
-// What is sound of three days of computing must not make place for a new beginning.
+// The sound part of three days of computing must not make place for a new beginning.
 TEST_F(Damage, NeverLetsAResumedRunBeginAnew) {
   RecordOptions options;
   options.checkpoint = CheckpointEvery{CheckpointEvery::Clock::simulated, 1.0};

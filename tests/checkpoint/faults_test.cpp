@@ -1,5 +1,5 @@
-// What the machine refuses, at every place where it can: memory, room on the disk, renaming, syncing. A run that fails
-// for it says so with exit code 1, and goes on later as if nothing had happened.
+// Refusals of the machine at every place where it can refuse: memory, room on the disk, renaming, syncing. A run that
+// fails for it says so with exit code 1, and goes on later as if nothing had happened.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -28,7 +28,7 @@ constexpr bool sanitized = true;  // has an allocator of its own, in front of ev
 constexpr bool sanitized = false;
 #endif
 
-/// Whether this process runs under memcheck, whose allocator takes the place of every other.
+/// True if this process runs under memcheck, whose allocator takes the place of every other.
 bool under_valgrind() {
   const char* preloaded = std::getenv("LD_PRELOAD");
   return preloaded && std::string_view(preloaded).find("vgpreload") != std::string_view::npos;

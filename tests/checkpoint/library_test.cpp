@@ -253,8 +253,8 @@ TEST(Checkpoint, LeavesTheMotionByASchemeAsItWas) {
   EXPECT_GE(compared, 2u);
 }
 
-// What the docs promise of any run: 100 times the tolerance asked for, here with a new beginning every 25th of the
-// bar's transit time.
+// Accuracy that the docs promise of any run: 100 times the tolerance asked for, here with a new beginning every 25th of
+// the bar's transit time.
 TEST(Checkpoint, CostsNoAccuracy) {
   Case run = kinds_of_scenes().front().run;
   run.tolerance = {1e-8, 1e-11};

@@ -17,7 +17,7 @@ namespace viscobar::testing_checkpoint {
 /// The built command as a process of its own, to be sent signals.
 class Process {
  public:
-  /// What it prints goes to the file out.txt, its messages to err.txt, in `directory`. `environment` is NAME=VALUE.
+  /// Its output goes to the file out.txt, its messages to err.txt, in `directory`. `environment` is NAME=VALUE.
   Process(const std::filesystem::path& directory, const std::vector<std::string>& arguments,
           const std::vector<std::string>& environment = {}) {
     child_ = fork();

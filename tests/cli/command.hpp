@@ -18,7 +18,7 @@ namespace viscobar::testing_cli {
 
 namespace fs = std::filesystem;
 
-/// What a command printed and how it ended.
+/// Output and exit code of a command.
 struct Ended {
   int code = -1;
   std::string out, error;

@@ -39,7 +39,7 @@ class Command : public testing::Test {
   Scratch scratch;
 };
 
-// Of whoever can write there.
+// Anyone who can write to that directory could run code by such a library.
 TEST_F(Command, LoadsNoLibraryFromTheDirectoryThatItIsStartedIn) {
   std::ofstream(scratch / "libz.so.1") << "not a library";
   EXPECT_EQ(run("--version"), 0) << err();

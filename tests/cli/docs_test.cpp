@@ -46,7 +46,7 @@ std::vector<Quoted> numbers_of(const std::string& text) {
   return found;
 }
 
-/// Whether it is what the text says.
+/// True if the value is the one that the text gives.
 bool says(const std::string& text, double value) {
   if (text.find(' ') != text.npos) {
     const double told = std::stod(text.substr(text.find(' ')));
@@ -97,8 +97,8 @@ bool slow(const std::string&) { return false; }
 
 struct Page {
   const char *file, *name;
-  std::size_t least;        ///< so that a change of their looks does not make commands invisible
-  std::size_t numbers = 0;  ///< likewise
+  std::size_t least;        ///< commands at least: a change of their looks must not make them invisible
+  std::size_t numbers = 0;  ///< numbers at least
 };
 
 void PrintTo(const Page& page, std::ostream* out) { *out << page.file; }
@@ -120,7 +120,7 @@ TEST_P(Docs, CommandsRunAsTheyStandThere) {
   const std::vector<std::string> commands = commands_of(page, std::regex("^viscobar "));
   EXPECT_GE(commands.size(), GetParam().least);
   std::size_t compared = 0;
-  std::map<std::string, nlohmann::json> known;  // what commands print does not change below them
+  std::map<std::string, nlohmann::json> known;  // output of commands that ran, which stays the same below them
   const auto compare = [&](const std::string& prose) {
     for (const auto& [text, source, pointer] : numbers_of(prose)) {
       ++compared;
@@ -230,7 +230,7 @@ TEST(Pages, HaveNoCommandThatNothingRuns) {
   EXPECT_GT(seen, 50u);
 }
 
-/// Whether a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that
+/// True if a name within [measured: names; range] is that of a test (Suite.Name, Suite.*), a command or a file that
 /// exists.
 bool exists(const std::string& name, const std::string& tests) {
   namespace fs = testing_cli::fs;

@@ -1,4 +1,4 @@
-// What `viscobar export` and the scripts of examples/ read out of a result is what is in it.
+// `viscobar export` and the scripts of examples/ read the very numbers that a result holds.
 #include <algorithm>
 #include <charconv>
 
@@ -90,7 +90,7 @@ TEST_F(Export, OfWhatIsNoRunIsTheUsersError) {
   EXPECT_EQ(viscobar("export out").code, 1);
 }
 
-// What both scripts print: the counts, and the extremes to at least 12 digits.
+// Both scripts print the counts, and the extremes to at least 12 digits.
 void expect_extremes(const std::string& printed, const std::vector<double>& u, const std::vector<double>& v) {
   EXPECT_NE(printed.find("301 times and 1001 nodes"), std::string::npos) << printed;
   const auto largest = [](const std::vector<double>& values) {

@@ -1,4 +1,4 @@
-// What a scene or a command line quotes cannot steer a terminal, nor pass for a message of the program.
+// Text quoted from a scene or a command line cannot steer a terminal, nor pass for a message of the program.
 #include "cli/command.hpp"
 #include "cli/terminal.hpp"
 #include "text/printable_text.hpp"

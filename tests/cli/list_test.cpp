@@ -8,7 +8,7 @@ namespace {
 
 using List = testing_cli::Command;
 
-/// What stands in docs/scene-file.md between the comment that names a command and the next comment.
+/// Text of docs/scene-file.md between the comment that names a command and the next comment.
 std::string between_comments(const std::string& page, const std::string& command) {
   const std::string opening = "<!-- " + command + " -->\n";
   const std::size_t begin = page.find(opening);

@@ -18,7 +18,7 @@ class Shell : public testing_cli::Command {
     testing_cli::fs::create_directory(directory_ / "folder");
   }
 
-  /// What bash offers for the last of the words.
+  /// Completions that bash offers for the last of the words.
   Words completed(const std::string& words) const {
     std::ofstream(directory_ / "ask.bash") << "source completion.bash\nCOMP_WORDS=(viscobar " << words
                                            << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_viscobar\n"

@@ -10,7 +10,7 @@
 
 namespace viscobar {
 
-/// What a command shows on a terminal: its standard error is the slave of a pseudo-terminal, read while it runs.
+/// Text that a command shows on a terminal: its standard error is the slave of a pseudo-terminal, read while it runs.
 inline std::string shown_on_terminal(const std::string& command) {
   int master = -1, slave = -1;
   char name[128] = {};

@@ -83,7 +83,7 @@ TEST_P(GradedSystem, ForcesAreThoseOfItsStiffnessAndItsEnergy) {
   SymmetricTridiagonal K;
   system.dynamic_stiffness(0.0, 0.0, 1.0 / system.bar().modulus, K);
   std::vector<double> at_rest(n), moved(n), Ku(n), force(n);
-  system.internal_force(still, still, at_rest);  // what fixed ends pull
+  system.internal_force(still, still, at_rest);  // pull of the fixed ends
   system.internal_force(u, w, force);
   K.multiply(u, Ku);
   system.dynamic_stiffness(0.0, 1.0, 0.0, K);

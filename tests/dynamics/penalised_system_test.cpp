@@ -175,7 +175,7 @@ TEST(PenalisedSystem, APenetrationFarBelowTheRoundingOfTheGapGivesItsReaction) {
   system.measure_from_obstacle(0, u);
   u[0] = -epsilon * force;
   EXPECT_DOUBLE_EQ(system.reactions(0.0, u, w)[0], force);
-  // What its clearance is not known better than is a reaction below the rounding of the strain beside it.
+  // The rounding error of its clearance, as a reaction, is below the rounding of the strain beside it.
   EXPECT_LT(system.indicator_rounding(0, 0.1) / epsilon, 64.0 * 0.2 * 3.0 / 0.25 * 2.3e-16);
 }
 

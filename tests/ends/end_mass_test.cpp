@@ -113,7 +113,7 @@ std::string thrown(double mass, double viscosity, const std::string& rest) {
       viscosity, mass, rest);
 }
 
-// Of an elastic bar with m = mu rho L behind, R = 1 for 2 L / c, then 4 exp(-(t - 2) / mu) - 1.
+// Reaction of an elastic bar with m = mu rho L behind: R = 1 for 2 L / c, then 4 exp(-(t - 2) / mu) - 1.
 TEST(EndMass, BehindAThrownElasticBarPressesItThreefoldOnTheWall) {
   for (const Thrown& of : {Thrown{0.5, 2.0 + 0.5 * std::log(4.0), 2.0 + 0.5 * (3.0 - std::log(4.0))},
                            Thrown{1.0, 2.0 + std::log(4.0), 2.0 + 3.0 - std::log(4.0)}}) {

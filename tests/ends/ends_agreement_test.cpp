@@ -98,8 +98,8 @@ double largest_of(const std::vector<double>& a) {
 
 constexpr unsigned scenes = 40;
 
-/// What follows from displacements that are wrong by a hundred tolerances of the largest one, and velocities by as many
-/// of theirs, for rho L, E / h, eta / h, spring and dashpot of an end.
+/// Error bounds that follow from displacements wrong by a hundred tolerances of the largest one, and velocities by as
+/// many of theirs, for rho L, E / h, eta / h, spring and dashpot of an end.
 struct Allowed {
   Allowed(const Case& run, const Recording& exact) {
     const Bar& bar = run.scene.bar;
@@ -161,7 +161,7 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
       EXPECT_NEAR(e.initial, f.initial, 1e-14 * f.initial);
       EXPECT_NEAR(e.final, f.final, allowed.energy);
       EXPECT_NEAR(e.dissipated, f.dissipated, allowed.energy + allowed.dissipated);
-      EXPECT_NEAR(e.work, f.work, 2.0 * allowed.energy + allowed.dissipated);  // what the other two leave
+      EXPECT_NEAR(e.work, f.work, 2.0 * allowed.energy + allowed.dissipated);  // by the balance of the other two
       EXPECT_NEAR(e.balance_error(), 0.0, allowed.energy + allowed.dissipated) << method;
       EXPECT_NEAR(f.balance_error(), 0.0, 1e-9);
     }

@@ -1,4 +1,4 @@
-// What an end is given, against closed forms: forces, springs, dashpots, motion and obstacles that move.
+// Inputs of ends against closed forms: forces, springs, dashpots, motion and obstacles that move.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -256,7 +256,7 @@ TEST(MovingObstacle, UnderAPushedBarIsTheLimitOfTheMeshByCharacteristics) {
         }
       return most;
     };
-    // What follows from ends that are wrong by as much as on the coarse mesh.
+    // Bounds that follow from ends that are wrong by as much as on the coarse mesh.
     const double wrong = off(coarse), dashpot = 0.5, duration = 4.0;
     EXPECT_LT(off(fine), 0.5 * wrong);
     // The touch: by that over the speed against the obstacle.

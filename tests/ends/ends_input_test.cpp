@@ -1,4 +1,4 @@
-// What scene files and scenes of functions may say of the ends, and what they may not.
+// Inputs of ends that scene files and scenes of functions may give, and those that are refused.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -26,7 +26,7 @@ std::string damaged(std::string bytes, const std::string& damage) {
   return bytes;
 }
 
-// Whether the bytes were taken.
+// True if the bytes were taken.
 bool read(const std::string& file) {
   try {
     const std::string again = encoded(decoded(file));

@@ -15,7 +15,7 @@ inline void claim(bool holds, const std::string& what) {
   std::abort();
 }
 
-/// What every refusal promises: at least one finding, each at a place, on one line, with words.
+/// Every refusal has at least one finding, each at a place, on one line, with words.
 inline void claim_sound(const SceneError& error) {
   claim(!error.diagnostics.empty(), "an error has a diagnostic");
   for (const Diagnostic& one : error.diagnostics) {

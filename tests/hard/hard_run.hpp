@@ -7,7 +7,7 @@
 
 namespace viscobar::hard {
 
-/// What became of a scene by a method.
+/// Outcome of a scene by a method.
 struct Outcome {
   enum class Kind {
     right,    ///< every judgement within its tolerance
@@ -23,7 +23,7 @@ struct Outcome {
   double cpu_seconds = 0.0;  ///< references included
 };
 
-/// Whether the outcome is what the catalogue says: right, refused, or the error that it names; else why not.
+/// Absent if the outcome is the one of the catalogue: right, refused, or the error that it names. Else the difference.
 std::optional<std::string> complaint(const HardScene& scene, MethodName method, const Outcome& outcome);
 
 /// The scene as the method gets it. @throws SceneError

@@ -21,7 +21,7 @@ std::vector<HardScene> load_scenes() {
     return t < 0.3 ? t * t / 2 : 0.045 + 0.3 * (t - 0.3) - std::pow(t - 0.3, 2) / 2;
   };
   const auto ripple = [](double, double t) { return t / 1000 - std::sin(1000 * t) / 1e6; };
-  // Of a 50th of the run: what lasts less than a 64th may be missed (docs/methods.md).
+  // It lasts a 50th of the run: a blow of less than a 64th may be missed (docs/methods.md).
   const auto blow = [](double, double t) {
     return t < 0.5 ? 0.0 : t < 0.52 ? 25 * std::pow(t - 0.5, 2) : 0.01 + t - 0.52;
   };

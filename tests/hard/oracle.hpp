@@ -8,7 +8,7 @@
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
-/// What a run of a hard scene is judged by. An oracle knows something about the solution that does not come from the
+/// Judges of the runs of hard scenes. An oracle knows something about the solution that does not come from the
 /// method at work, and says by how much the run misses it and by how much it may.
 namespace viscobar::hard {
 
@@ -28,11 +28,11 @@ struct Trial {
 
 using Oracle = std::function<std::vector<Judgement>(const Trial&)>;
 
-/// What an adaptive method promises for the displacement, 100 (relative max|u| + absolute), ten times the 1e-12 of the
-/// exponential method, and for a scheme what rounding adds up to in its steps.
+/// Promised error of the displacement: 100 (relative max|u| + absolute) for an adaptive method, ten times the 1e-12 of
+/// the exponential method, and for a scheme the accumulated rounding of its steps.
 double promised(const Trial& trial, double largest);
 
-/// What holds for every run: complete and finite; contact changes in order, closing and opening in turn; no pull of an
+/// Invariants of every run: complete and finite; contact changes in order, closing and opening in turn; no pull of an
 /// obstacle without dashpot; no penetration of an exact obstacle; the energy account closed.
 std::vector<Judgement> invariants(const Trial& trial);
 

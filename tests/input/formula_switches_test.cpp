@@ -152,7 +152,7 @@ TEST(FormulaSwitches, AreThoseOfTheFormulaThatIsEvaluated) {
       const double expected = (*f)(x, t);
       if (!std::isfinite(expected) || std::abs(expected) > 1e6) continue;
       const Interval value = tree.at(Jet({x, x}, {0.0, 0.0}), Jet({t, t}, {1.0, 1.0}), FormulaTree::bound).value;
-      // What is infinite or no number on the way is not known to the tree, and rounding may decide a comparison.
+      // The tree does not know of infinities and NaN on the way, and rounding may decide a comparison.
       if (value.low != value.high) continue;
       EXPECT_NEAR(value.low, expected, 1e-9 * std::max(1.0, std::abs(expected))) << text << " at " << x << ", " << t;
       ++compared;

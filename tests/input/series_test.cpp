@@ -62,7 +62,7 @@ TEST(Series, OfSamplesDoesNotSwingBesideAJump) {
         Samples{{0, 1, 1.01, 2, 2.01, 3}, {0, 1, 11, 12, 2, 3}},
         Samples{{0, 1, 1.0001, 1.0002, 2, 3}, {0, 0, 1e6, 0, 0, 0}}}) {
     const FunctionOfTime f = spline(samples.t, samples.y);
-    // Of the polynomial pieces, whose coefficients are as large as the samples.
+    // Rounding of the polynomial pieces, whose coefficients are as large as the samples.
     const double rounding = 1e-14 * (1.0 + *std::ranges::max_element(samples.y));
     for (std::size_t i = 0; i + 1 < samples.t.size(); ++i)
       for (double s = 0.0; s <= 1.0; s += 1.0 / 64.0) {

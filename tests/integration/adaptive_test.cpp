@@ -1,4 +1,4 @@
-// What holds for every adaptive method. Agreement with the reference is in agreement_test.cpp.
+// Claims on every adaptive method. Agreement with the reference is in agreement_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -52,7 +52,8 @@ Recording run_by(Case run, MethodName method, double tolerance) {
   return record(run);
 }
 
-// Of a contact node on its spring; h/6 is below the effective mass of every kind of mass. None for massless nodes.
+// Frequency of a contact node on its spring; h/6 is below the effective mass of every kind of mass. None for massless
+// nodes.
 double contact_frequency(const Case& run) {
   const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
   if (!obstacle || run.mass == Mass::redistributed) return 0.0;

@@ -1,4 +1,4 @@
-// What an adaptive method says when it cannot go on, and what it leaves. The words of every return flag: see
+// Message of an adaptive method that cannot go on, and the results that it leaves. The words of every return flag: see
 // return_flags_test.cpp; here those that a scene can bring about.
 #include <gtest/gtest.h>
 

@@ -38,7 +38,7 @@ struct Errors {
 
 using Exact = std::function<double(double t)>;
 
-// Of an end, from `begin` on.
+// Largest errors of an end, from `begin` on.
 Errors errors(const Recording& run, bool right, double begin, const Exact& v, const Exact& u) {
   Errors most;
   for (std::size_t k = 0; k < run.times.size(); ++k) {

@@ -1,4 +1,4 @@
-// What only Boost.Odeint's steppers have: the choice among them and their refusals.
+// Features of Boost.Odeint's steppers alone: the choice among them and their refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>

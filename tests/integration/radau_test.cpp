@@ -67,8 +67,8 @@ TEST(RadauFormula, TheRateOfItsPolynomialIsThatOfItsWeights) {
     const Parts rate = formula.weights(theta, 1), late = formula.weights(theta + 1e-5, 0),
                 early = formula.weights(theta - 1e-5, 0);
     for (std::size_t l = 0; l < radau::parts; ++l)
-      // Of a central difference: h^2/6 of the third derivative, which is less than 1e3 of the weights at a pole of
-      // |zeta| < 13, and rounding over 2e-5.
+      // Error of a central difference: h^2/6 of the third derivative, which is less than 1e3 of the weights at a pole
+      // of |zeta| < 13, and rounding over 2e-5.
       EXPECT_NEAR(rate[l], (late[l] - early[l]) / 2e-5, 3000 * (1000 * 1e-10 / 6 + 2e-15 / 1e-5)) << theta;
   }
 }

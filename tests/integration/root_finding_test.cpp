@@ -1,4 +1,4 @@
-// What makes root finding by signs at the ends of a step fail, silently or for ever: each case must be caught or come
+// Cases in which root finding by signs at the ends of a step fails, silently or for ever: each must be caught or come
 // out right, by every stepwise method.
 #include <gtest/gtest.h>
 
@@ -136,7 +136,7 @@ TYPED_TEST(RootFinding, AnIndicatorThatReachesZeroAndStaysThereEndsNoRun) {
   const BarSystem system = system_of(point(0.5, -1.0, [](double t) { return t < 1.0 ? 1.0 : 0.0; }));
   const RunTrace run = record(system, std::vector{0.0, 1.0, 2.0, 3.0}, with<TypeParam>(1e-3, tolerance));
   EXPECT_TRUE(run.statistics.completed);
-  // What the velocity is wrong by moves it on.
+  // The error of the velocity moves it on.
   for (std::size_t k = 1; k < 4; ++k) EXPECT_NEAR(run.u[k][0], -0.5, 3 * constant * tolerance) << k;
 }
 

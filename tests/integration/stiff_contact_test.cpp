@@ -1,4 +1,4 @@
-// What a stiff contact costs: the steps follow the motion, not the penalty or the mesh.
+// Cost of a stiff contact: the steps follow the motion, not the penalty or the mesh.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -132,7 +132,7 @@ TEST(SwitchingLoad, OfASquareWaveOnMasslessNodesWithLittleViscosityKeepsEnergyAn
       EXPECT_LE(distance(found.u, reference.u), tolerance(run, reference) + tolerance(finer, reference))
           << wave << ", " << name(method);
       EXPECT_EQ(found.events.size(), reference.events.size()) << wave << ", " << name(method);
-      // What the promised error of the velocities makes of the kinetic energy.
+      // Bound: error of the kinetic energy by the promised one of the velocities.
       const double v = largest(reference.v);
       EXPECT_LE(std::abs(found.statistics.energy->balance_error()), v * promise * (1e-6 * v + 1e-9))
           << wave << ", " << name(method);
@@ -247,7 +247,8 @@ TEST(SwitchingLoad, ThatJumpsOpensAndClosesAContactOfAMasslessNodeThere) {
     EXPECT_EQ(found.events[1].change, Change::opening) << name(method);
     EXPECT_EQ(found.events[2].time, 0.02) << name(method);
     EXPECT_EQ(found.events[2].change, Change::closing) << name(method);
-    // What the jumps strain the element beside the node by, F^2 h / (2 E) = 0.002 with F = 8 / 16, is their work.
+    // The jumps strain the element beside the node: the energy of that, F^2 h / (2 E) = 0.002 with F = 8 / 16, is their
+    // work.
     const EnergyAccount& energy = *found.statistics.energy;
     EXPECT_NEAR(energy.balance_error(), 0.0, 200 * run.tolerance.relative * energy.work) << name(method);
   }

@@ -1,4 +1,4 @@
-// What a fit on sensitivities is worth, what they save against differences of runs, and what they cost: docs/fit.md,
+// Value of a fit on sensitivities, their gain over differences of runs, and their cost: docs/fit.md,
 // docs/sensitivity.md.
 //
 //     cmake --build --preset release --target measure_fit && build/release/tests/measure_fit

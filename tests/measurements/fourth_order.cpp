@@ -250,7 +250,7 @@ void speed(double every) {
         double seconds = traces.statistics.integration_seconds;
         bool useful = false;
         for (std::size_t k = 0; k < 3; ++k) useful |= error <= targets[k] && seconds < 1.5 * best[mass][k];
-        // Of microseconds, the first runs find cold caches.
+        // The first of runs that take microseconds find cold caches.
         double spent = 0.0;
         for (int again = 0; useful && (again < 8 || spent < 0.01) && seconds < 0.5; ++again) {
           const double once = trace_ends(run, times).statistics.integration_seconds;

@@ -35,7 +35,7 @@ Case scene(const std::string& name, const Overrides& overrides) {
   return run;
 }
 
-// Of what is run, the best of twenty, or of as many as fit into a second.
+// Least time of twenty runs, or of as many as fit into a second.
 double seconds(double first, auto&& again) {
   double best = first, spent = first;
   for (int run = 1; run < 20 && spent < 1.0; ++run) {
@@ -50,7 +50,7 @@ double seconds(const Recording& recording, const Case& run) {
   return seconds(recording.statistics.integration_seconds, [&] { return record(run).statistics.integration_seconds; });
 }
 
-// Of the left end, which no output time has a part in.
+// Account of the left end, which does not depend on the output times.
 EndAccount account(const Case& run) {
   Observers observers;
   observers.account = true;

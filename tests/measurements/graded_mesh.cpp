@@ -138,7 +138,7 @@ Vector interpolated(const Vector& x, const Vector& u, const Vector& points) {
   return values;
 }
 
-// What a run hands out: t, nodal u, and the reaction.
+// Called by a run with t, nodal u, and the reaction.
 using Observer = std::function<void(double, const Vector&, double)>;
 
 // Scheme (2.8) in the acceleration a, (M + dt/2 eta K + dt^2/2 K) a = M f - K (u + eta p), with the left end rigid.

@@ -1,4 +1,4 @@
-// What the cases of a sweep spare that begin where a neighbour ended: a table of docs/accuracy-on-request.md. Run:
+// Savings of the cases of a sweep that begin where a neighbour ended: a table of docs/accuracy-on-request.md. Run:
 // build/release/tests/measure_neighbours [METHOD ERROR]
 #include "sweep/neighbours.hpp"
 
@@ -20,7 +20,7 @@ using namespace viscobar;
 constexpr const char* scene =
     "[bar]\nlength=1\n[left]\nkind=\"obstacle\"\n[initial]\nvelocity=-1\n[time]\nend=2.5\n[accuracy]\nerror=1\n";
 
-/// Of all cases of a sweep.
+/// Sums over all cases of a sweep.
 struct Sum {
   double seconds = 0.0;  // of the processor, the least of five
   std::size_t runs = 0, search = 0, elements = 0, kept = 0;

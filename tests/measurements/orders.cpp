@@ -79,7 +79,7 @@ void in_h(bool both) {
   study(MethodName::rigid, Mass::redistributed);
 }
 
-// What taking the mass out of the contact nodes changes: theory says h^(5/2) in L2 and h^3 at the ends.
+// Effect of taking the mass out of the contact nodes: theory says h^(5/2) in L2 and h^3 at the ends.
 void redistribution(bool both) {
   fmt::print(
       "\n### {}: cvode on the redistributed against the consistent mass\n\n"

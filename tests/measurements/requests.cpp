@@ -70,7 +70,7 @@ struct Verdict {
   double seconds = 0.0, own_seconds = 0.0, truth_seconds = 0.0;
 };
 
-// What a random scene is like, and how it is run.
+// Kinds of random scenes, with their methods.
 enum class Kind { viscous, penalised, undamped, span, span_penalised };
 constexpr Kind all_kinds[] = {Kind::viscous, Kind::penalised, Kind::undamped, Kind::span, Kind::span_penalised};
 constexpr const char* words_of_kinds[] = {"viscous, obstacles on all sides, `rigid`", "viscous, penalised methods",
@@ -125,7 +125,7 @@ std::string random_scene(std::mt19937_64& random, Kind kind, bool above) {
   return text + fmt::format("[time]\nend={}\n[output]\nevery={}\n", end, end / pick(10, 600));
 }
 
-// What the motion is, or far closer to it than the run.
+// Reference: the exact motion, or one far closer to it than the run.
 Case truth_of(const Case& run) {
   Case truth = run;
   truth.restitution.reset();

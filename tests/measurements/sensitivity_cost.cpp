@@ -41,7 +41,7 @@ Case rebound(MethodName method, std::size_t elements, std::size_t parameters) {
 
 }  // namespace
 
-/// What is counted: the run without the start of the program. A name that callgrind's --toggle-collect knows.
+/// The run that is counted, without the start of the program. A name that callgrind's --toggle-collect knows.
 extern "C" [[gnu::noinline]] void measured_run(const Case* run, const BarSystem* system, const Observers* observers,
                                                Statistics* done) {
   *done = simulate(resolve(*run), *system, *observers);

@@ -22,7 +22,7 @@ namespace {
 
 using namespace viscobar;
 
-/// Of this process: what else the machine does counts less than on the clock.
+/// Processor time of this process: other load of the machine counts less than in wall-clock time.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -66,7 +66,7 @@ void print_foresight(const char* what, const std::vector<double>& estimated, con
              rank_correlation(estimated, measured));
 }
 
-/// What a manager needs for a case: to plan it, which the workers do before all begins, to send it, and to write its
+/// Seconds of a manager for a case: to plan it, which the workers do before all begins, to send it, and to write its
 /// row.
 struct Manager {
   double plan, dispatch, write, latency;

@@ -26,7 +26,7 @@ double energy_error(const Case& run, double energy, double d) {
   return 2.0 * std::sqrt(std::max(energy, 0.0) * n) + n;
 }
 
-// Of a scheme's account, which adds up what each step does.
+// Rounding of a scheme's account, which adds up the terms of each step.
 double rounding(const Statistics& done) {
   const EnergyAccount& energy = *done.energy;
   return 1e-12 * static_cast<double>(done.steps) * (energy.initial + energy.final + std::abs(energy.work));

@@ -54,7 +54,7 @@ inline std::vector<std::string> fitting_methods(RandomScene scene, const std::ve
   return fitting;
 }
 
-/// What a property asks of its scenes.
+/// Demands of a property on its scenes.
 struct Asked {
   bool obstacles = true, loads = true, restitution = true;
   bool in_motion = false;  ///< neither displacement nor velocity is zero everywhere at the start

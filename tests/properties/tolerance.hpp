@@ -10,9 +10,9 @@
 
 namespace viscobar::properties {
 
-/// What docs/methods.md promises about the displacement: 100 (relative max|u| + absolute) for an adaptive method. The
-/// others are exact but for rounding: of at most 1e4 steps, each a solve on up to 25 nodes at a condition of up to 1e8
-/// (epsilon down to 2^-20 beside h^2 of 1/600), of which the largest errors do not all add up: 1e-10 max|u|.
+/// Error of the displacement that docs/methods.md promises: 100 (relative max|u| + absolute) for an adaptive method.
+/// The others are exact but for rounding: of at most 1e4 steps, each a solve on up to 25 nodes at a condition of up to
+/// 1e8 (epsilon down to 2^-20 beside h^2 of 1/600), of which the largest errors do not all add up: 1e-10 max|u|.
 inline double displacement_error(const Case& run, double u) {
   return is_adaptive(run.method) ? 100.0 * (run.tolerance.relative * u + absolute_tolerance(run)) : 1e-10 * u;
 }

@@ -57,7 +57,7 @@ double scale(const Told& run) {
   return largest;
 }
 
-/// Of the balance at every output time, relative to the largest energy.
+/// Largest error of the balance at output times, relative to the largest energy.
 double largest_imbalance(const Told& run) {
   double largest = 0.0;
   for (const EnergyState& now : run.states)

@@ -1,4 +1,4 @@
-// What may be in a directory of results, and who else: nothing that was whole is lost, nothing that is not ours
+// Other files and other processes in a directory of results: nothing that was whole is lost, nothing that is not ours
 // touched.
 #include "results/result_directory.hpp"
 
@@ -295,7 +295,7 @@ TEST_F(ResultDirectories, AReaderThatHoldsALockLosesNothingAndStopsNobody) {
   close(reader);
 }
 
-/// What happens in a process without the rights of root.
+/// Exit code of the action in a process without the rights of root.
 template <class Action>
 int as_nobody(Action&& action) {
   const pid_t child = fork();

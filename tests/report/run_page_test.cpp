@@ -55,7 +55,7 @@ nlohmann::json data_of(const Html& page) {
   return nlohmann::json::parse(page.html.substr(begin, end - begin));
 }
 
-// That the scripts load nothing is tested in a browser, tests/browser.
+// Tests in a browser, tests/browser, show that the scripts load nothing.
 TEST(Report, NeedsNothingFromOutside) {
   const Html report = page(bouncing_bar());
   // The image itself apart, which is too long for std::regex.

@@ -11,7 +11,7 @@
 namespace viscobar::testing_checksum {
 namespace {
 
-// Of the definition of CRC-64/XZ.
+// Check value in the definition of CRC-64/XZ.
 TEST(Checksum, OfTheCheckStringIsThatOfItsDefinition) {
   EXPECT_EQ(Checksum::of("123456789"), (Checksum{9, 0x995DC9BBDF1939FA}));
   EXPECT_EQ(Checksum::of("123456789").digits(), "995dc9bbdf1939fa");

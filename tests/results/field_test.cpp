@@ -93,7 +93,7 @@ TEST_P(Blocks, EveryRowIsReadBackWhateverTheBlockSize) {
 
 INSTANTIATE_TEST_SUITE_P(FieldFile, Blocks, testing::Values(1, 3, 10, 1000));
 
-// What waits for its block is written after a second all the same.
+// Rows that wait for their block are written after a second all the same.
 constexpr auto too_slow = "took a second, so the clock wrote, too";
 
 TEST(FieldFile, GathersRowsToBlocksOfAMebibyte) {
@@ -364,7 +364,7 @@ TEST(FieldFile, SaysWhatItIsOfInAttributes) {
   EXPECT_EQ(attribute(scratch / "field.h5", "v", "units"), "none") << "no unit of time is named";
 }
 
-// That of the quotient; a pure number has the unit 1.
+// It is the unit of the quotient; a pure number has the unit 1.
 TEST(FieldFile, SaysTheUnitsOfDerivativesWhereThatOfTheKeyIsKnown) {
   const Scratch scratch;
   FieldOrigin of;

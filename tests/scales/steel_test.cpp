@@ -44,7 +44,7 @@ TEST_F(Steel, ByDefaultAPenaltyLetsItInByLessThanATenThousandthOfTheGap) {
   for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
     const SceneFile scene = steel("steel-bar", {fmt::format("method.name={}", method)});
     const Recording run = record(scene.run);
-    // What odeint is wrong by as the bar leaves closes the contact again for an instant.
+    // The error of odeint as the bar leaves closes the contact again for an instant.
     EXPECT_LE(run.events.size(), std::string(method) == "odeint" ? 16u : 2u) << method;
     EXPECT_GT(run.statistics.max_penetration, 0.0);
     EXPECT_LT(run.statistics.max_penetration, 1e-4 * 1e-3) << method;
@@ -64,7 +64,7 @@ TEST_F(Steel, ThePenaltyOfPaperUnitsIsNoObstacleAndIsToldSo) {
   EXPECT_EQ(limit["verdict"], "converges") << limit["reason"];
   EXPECT_LT(limit["rows"].back()["epsilon"].get<double>(), 1e-12)
       << "it goes on where springs are stiffer than the bar";
-  // What the warning says helps.
+  // The remedy in the warning helps.
   EXPECT_EQ(viscobar("check " + scene("steel-bar") + soft + " --set contact.epsilon=").error, "");
 }
 

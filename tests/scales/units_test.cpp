@@ -171,7 +171,7 @@ nlohmann::json of_the_scene(nlohmann::json said) {
   return said;
 }
 
-/// That b is a in units that are larger by powers of two. Numbers under one key have one dimension.
+/// Expects that b is a in units that are larger by powers of two. Numbers under one key have one dimension.
 class Same {
  public:
   explicit Same(const Units& units) : units_(units) {}

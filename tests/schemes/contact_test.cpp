@@ -157,7 +157,7 @@ TEST(FullyDiscreteContact, AFlatFallOnASpanReboundsWithTheRestitutionFromTheObst
             // Velocities are differences of |u| <= 1.5 over dt, and every node has its own rounding.
             for (const double v : run.v.back())
               EXPECT_NEAR(v, restitution * 0.6, 1e4 * eps / dt) << name(mass) << " gap " << gap << " " << dt;
-            // What is bounded is the mean of two displacements, or the velocity of the step after.
+            // The scheme bounds the mean of two displacements, or the velocity of the step after.
             const double share = impact == Impact::paoli_schatzman ? 2 * restitution : 1.0;
             EXPECT_LE(run.statistics.max_penetration, share * 0.6 * dt * (1 + 1e4 * eps));
           }

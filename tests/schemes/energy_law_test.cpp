@@ -56,7 +56,7 @@ constexpr std::pair<Impact, double> all_impacts[] = {{Impact::paoli_schatzman, 0
                                                      {Impact::paoli_schatzman, 1.0}, {Impact::moreau, 0.0},
                                                      {Impact::moreau, 0.7},          {Impact::moreau, 1.0}};
 
-// What impacts take from n to n + 1, by the laws of docs/model.md; after balance().
+// Energy that impacts take from n to n + 1, by the laws of docs/model.md; after balance().
 double taken(const TimeStep& step, Impact impact, double dt, double e) {
   double sum = 0.0;
   for (std::size_t k = 0; k < step.contacts().size(); ++k) {

@@ -56,8 +56,9 @@ AtEnd at_end(Case run, double end) {
   return told;
 }
 
-// What either side of the change has. The rates of either are below 1e4: an acceleration of an impact within h, over
-// the time of flight. So 1e-10 from the change they are told to 1e-6, and a hundred tolerances are less.
+// Derivatives at the end are those of their side of the change. Their rates are below 1e4: an acceleration of an impact
+// within h, over the time of flight. So 1e-10 from the change they are known to 1e-6, and a hundred tolerances are
+// less.
 TEST(SensitivitiesAtTheEnd, AreThoseBeforeOrAfterAChangeAndSayWhich) {
   struct Contact {
     MethodName method;

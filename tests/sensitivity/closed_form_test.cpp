@@ -56,7 +56,7 @@ TEST(ClosedForms, AFlightEndsLaterByTheGapOverTheSpeed) {
   EXPECT_NEAR(found.events[0].sensitivities[0].time, 1.0, 1e-12);
   EXPECT_NEAR(found.events[0].sensitivities[1].time, 0.0, 1e-12);
   EXPECT_NEAR(found.events[0].sensitivities[0].velocity, 0.0, 1e-10);
-  // What a later contact changes is the motion, told later, and how far the bar has come.
+  // A later contact changes the motion after it, and the way that the bar has come.
   ASSERT_EQ(found.events.size(), 2u);
   EXPECT_NEAR(found.events[1].sensitivities[0].time, 1.0, 1e-6);
   EXPECT_NEAR(found.statistics.sensitivity->impulse_left[0], 0.0, 1e-6);

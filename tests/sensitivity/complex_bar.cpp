@@ -199,7 +199,7 @@ class Run {
     const Number impulse = (leaving - z_(i)) / answer(node(left));
     z_.segment(n_, n_) += impulse * answer;
     z_(2 * n_ + (left ? 0 : 1)) += impulse;
-    // What holds the other end takes its part of the blow.
+    // The support of the other end takes its part of the blow.
     if (closed(!left)) z_(2 * n_ + (left ? 1 : 0)) += impulse * (mass_.row(node(!left)) * answer)(0);
     z_(node(left)) = -gap(left);
     z_(i) = leaving;

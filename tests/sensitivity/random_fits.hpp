@@ -16,7 +16,7 @@ namespace viscobar::random_fits {
 struct RandomFit {
   FitStudy study;
   std::vector<double> truth;
-  std::string words;  ///< what it is
+  std::string words;  ///< description of the fit
 };
 RandomFit random_fit(std::uint64_t seed, std::size_t index);
 

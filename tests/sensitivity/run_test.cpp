@@ -1,4 +1,4 @@
-// What a run with sensitivities is beside one without, and where there are none.
+// A run with sensitivities beside one without, and runs that have none.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -56,7 +56,8 @@ std::vector<std::size_t> elements_of(const ErrorEstimate& estimate) {
   return elements;
 }
 
-// Of four meshes, each with half the elements of the next or more, none has the pilots' 8 if the finest has above 64.
+// An estimate uses four meshes, each with half the elements of the next or more: none has the 8 of the pilots if the
+// finest has more than 64.
 TEST(AccuracyOnRequest, RunsOfTheSearchAloneAreToldFromThoseOfTheEstimate) {
   const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=1e-8"}));
   ASSERT_GT(result.run.elements, 64u);
@@ -301,7 +302,7 @@ TEST(SpaceErrorOfALadder, TakesMeshesThatAreNoHalves) {
       error.error, 1e-5 * error.error);
 }
 
-// Of orders 4 and 2, half of what 2 is above 1; of changes that point apart a walk of steps that fall by a half.
+// After orders 4 and 2 it relies on 1 + (2 - 1) / 2. Changes that point apart make a walk of steps that fall by a half.
 TEST(SpaceErrorOfALadder, BelievesHalfAnOrderThatFallsAndWalksWhereChangesPointApart) {
   const MeshStep falling[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 4e-6}};
   EXPECT_DOUBLE_EQ(accuracy::space_error(falling, 4.0).error, 1.4 * 4e-6 / (std::pow(2.0, 1.5) - 1.0));

@@ -120,7 +120,7 @@ TEST(BrokenData, PulsesInTimeAreNotPassedBy) {
     }
 }
 
-// What breaks in x alone has no pulses in t. Conditions that t does not move once stopped every run 20,000 times.
+// Data that break in x alone have no pulses in t. Conditions that t does not move once stopped every run 20,000 times.
 TEST(BrokenData, BreaksInXStopNoStepInTime) {
   const auto steps = [](const char* load) {
     return record(

@@ -448,7 +448,7 @@ TEST_P(VerdictOf, ARandomSceneIsTheOneOfTheoryAndItsBoundsEncloseTheDistanceByOt
   EXPECT_TRUE(agrees(orders.evidence, known)) << scene.name;
 }
 
-// Of each mass and several restitutions, with and without viscosity, load and a second contact.
+// Scenes of each mass and several restitutions, with and without viscosity, load and a second contact.
 INSTANTIATE_TEST_SUITE_P(Slice, VerdictOf, testing::Values(1, 7, 9, 11, 12, 18, 20, 21, 38, 44));
 
 TEST(ComparisonTimes, RunFromZeroToTheEndAndCrowdAfterAContactChange) {

@@ -117,7 +117,7 @@ TEST(Precision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
   const PrecisionResult result = precision_of(study);
   const double penalised = *parts_of(result, MethodName::cvode, 16).space;
   const double scheme = *parts_of(result, MethodName::fully_discrete, 16).space;
-  // What epsilon / 100 leaves, less what extrapolation takes of it.
+  // The error by epsilon / 100 remains, less the part that extrapolation removes.
   EXPECT_NEAR(penalised, scheme, 0.01 * *parts_of(result, MethodName::cvode, 16).penalty);
 }
 
@@ -146,7 +146,7 @@ TEST(Precision, TimeFollowsTheToleranceAndTheStep) {
   for (const PrecisionRow& row : result.rows) {
     ASSERT_TRUE(row.time_error) << name(row.method) << " " << row.label;
     if (!is_adaptive(row.method)) continue;
-    // What docs/methods.md promises of a tolerance.
+    // Promise of docs/methods.md for a tolerance.
     const double absolute = absolute_tolerance(study.scene) * row.setting / study.scene.tolerance.relative;
     EXPECT_LE(*row.time_error, 100.0 * (row.setting * size + absolute)) << name(row.method) << " " << row.label;
   }

@@ -19,7 +19,7 @@ namespace viscobar {
 ///
 ///     a_k'' + eta w a_k' + w a_k = f_k g(t),    w = (k pi)^2,    u = sum a_k cos(k pi x).
 ///
-/// What the series leaves out of u_0 fades as exp(-t/eta), up to 1/(eta^2 w), and is added.
+/// The remainder of the series of u_0 fades as exp(-t/eta), up to 1/(eta^2 w), and is added.
 class BrokenData {
  public:
   explicit BrokenData(unsigned seed) : random_(seed) {
@@ -202,7 +202,7 @@ class BrokenData {
   double grid_ = 0.0;  // of places
   double viscosity_ = 1.0, end_ = 1.0, tent_middle_ = 0.0, tent_half_ = 0.0, tent_slope_ = 0.0;
   std::string displacement_, velocity_, load_, history_;
-  bool whole_ = false;  // whether the load is written as one function of x and t
+  bool whole_ = false;  // true if the load is written as one function of x and t
   struct Event {
     double time, size;
   };

@@ -6,7 +6,7 @@
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
-// What the tests of the exponential method share.
+// Scenes and runs that the tests of the exponential method share.
 namespace viscobar::testing_support {
 
 /// A few hundred steps, each with a rounding or two of numbers of order one in sums over a hundred entries.

@@ -26,7 +26,7 @@ class FineStepOracle {
     bool closing;
   };
 
-  /// Whether a Real has more digits than a double as the program runs: valgrind computes with those of a double.
+  /// True if a Real has more digits than a double as the program runs: valgrind computes with those of a double.
   static bool is_extended() {
     volatile Real one = 1, less_than_a_rounding = 0x1p-60L;
     return one + less_than_a_rounding != one;

@@ -22,14 +22,14 @@ inline Case pressed_bar(std::size_t elements, Mass mass, double length, double l
   return run;
 }
 
-/// Of four elements, consistent mass, T = 20.
+/// Pressed bar of four elements, consistent mass, T = 20.
 inline Case pressed_bar_of_four() {
   Case run = pressed_bar(4, Mass::consistent, 2.0, 0.3, 0.2, 20.0);
   run.scene.velocity = [](double x) { return -0.5 + 0.045 * std::cos(3.0 * x); };
   return run;
 }
 
-/// Of two elements, lumped mass, T = 10; it begins on its right obstacle.
+/// Pressed bar of two elements, lumped mass, T = 10; it begins on its right obstacle.
 inline Case pressed_bar_of_two() {
   Case run = pressed_bar(2, Mass::lumped, 0.5, 0.45, 0.0, 10.0);
   run.scene.velocity = [](double x) { return 0.35 + 0.1 * std::cos(3.0 * x); };

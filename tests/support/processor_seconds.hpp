@@ -4,7 +4,7 @@
 
 namespace viscobar {
 
-/// Of the processor, all threads together: the clock on the wall tells what else the machine does.
+/// Processor time of all threads together: wall-clock time depends on other load of the machine.
 double seconds_of(auto&& work) {
   const std::clock_t began = std::clock();
   work();

@@ -4,7 +4,7 @@
 
 namespace viscobar {
 
-/// What is known of a scene without a limit study: the verdict by theory, and |P(0) - S(0)| by other runs.
+/// Truth about a scene without a limit study: the verdict by theory, and |P(0) - S(0)| by other runs.
 struct KnownVerdict {
   Verdict verdict = Verdict::undecided;
   bool touches = false;
@@ -52,7 +52,7 @@ inline KnownVerdict known_verdict(const VerdictScene& scene) {
   return known;
 }
 
-/// Whether the bounds of a study enclose the distance; those of the beginning of a run say nothing about its rest but
+/// True if the bounds of a study enclose the distance; those of the beginning of a run say nothing about its rest but
 /// that limits which differ do so there.
 inline bool agrees(const LimitEvidence& evidence, const KnownVerdict& known) {
   const auto lower = evidence.lower(), upper = evidence.upper();

@@ -201,7 +201,7 @@ TEST(Account, ARigidFlightHasNoImpulseAndTheRangeOfItsPath) {
     EXPECT_EQ(account.left.peak_reaction, 0.0);
     EXPECT_EQ(account.left.contact.total(run.end), 0.0);
     EXPECT_EQ(account.left.highest, 0.0);
-    // Of the displacement -0.125, by the rounding of some hundred steps.
+    // Tolerances: rounding of some hundred steps, on the displacement -0.125.
     for (const EndAccount* end : {&account.left, &account.right}) {
       EXPECT_NEAR(end->lowest, flight.u(0.0, run.end), 1e-13);
       EXPECT_NEAR(end->displacement, end->lowest, 1e-15);

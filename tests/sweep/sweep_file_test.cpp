@@ -182,7 +182,7 @@ TEST_F(SweepFileTest, TheImpulseOfAnElasticImpactIsTwiceTheMomentum) {
       "[vary]\nmethod.name = [\"rigid\"]\n");
   const SweepRow row = run_case(sweep.scene_text, case_of(sweep, 0)).value();
   ASSERT_TRUE(row.completed) << row.error;
-  // What is left is the strain that dispersion leaves in the bar, the momentum of O(h^(2/3)) of it.
+  // The remainder is the strain that dispersion leaves in the bar, the momentum of O(h^(2/3)) of it.
   EXPECT_NEAR(row[Quantity::impulse_left], 2.0, 2.0 * std::pow(1.0 / 200.0, 2.0 / 3.0));
   EXPECT_TRUE(std::isnan(row[Quantity::impulse_right])) << "there is no obstacle";
   EXPECT_LT(row[Quantity::u_left_min], -0.1 + 1e-6);

@@ -85,7 +85,7 @@ TEST(CostEstimate, OfASchemeIsProportionalToStepsAndToNodes) {
   large.elements = 40000;
   fine.step = 5e-4;
   const double one = estimated_seconds(resolve(coarse));
-  // What does not double, the start and the cost of a step without nodes, is below 1 % here.
+  // The parts that do not double, the start and the cost of a step without nodes, are below 1 % here.
   EXPECT_NEAR(estimated_seconds(resolve(fine)) / one, 2.0, 0.02);
   EXPECT_NEAR(estimated_seconds(resolve(large)) / one, 2.0, 0.02);
 }

@@ -28,8 +28,8 @@ std::string_view meaning(Goal goal);  ///< in words
 /// The error that a user can bear, and what the scene leaves to choose.
 struct AccuracyRequest {
   double error = 1e-4;           ///< > 0, in the unit of `of`; or a share of its largest value
-  bool relative = false;         ///< whether it is a share
-  Goal of = Goal::displacement;  ///< what it is an error of
+  bool relative = false;         ///< true if `error` is a share
+  Goal of = Goal::displacement;  ///< quantity whose error is bounded
 
   /// Settings that the scene itself gives; they are kept.
   struct Given {
@@ -56,12 +56,12 @@ struct ErrorEstimate {
     bool search = false;            ///< made for the search of a mesh alone; the estimate does not need it
   };
 
-  Goal of = Goal::displacement;      ///< what it is an error of
+  Goal of = Goal::displacement;      ///< quantity whose error is estimated
   double total = 0.0;                ///< sum of the next three
   double space = 0.0;                ///< of the mesh
   double penalty = 0.0;              ///< of an obstacle that gives way
   double time = 0.0;                 ///< of the integration
-  double largest = 0.0;              ///< largest value of what it is an error of
+  double largest = 0.0;              ///< largest value of that quantity
   std::optional<double> requested;   ///< in the same unit; absent: nothing was asked for
   bool kept = false;                 ///< total <= requested, and nothing in `doubt`
   std::string doubt;                 ///< why the estimate is not to be trusted; empty: it is

@@ -96,7 +96,7 @@ inline constexpr std::string_view automatic = "automatic";
 ///       neither                                         cvode, whose Adams formulas of order up to 12 follow
 ///                                                       oscillations best
 ///
-/// Whether sensitivities are asked for changes nothing: they are those of this motion, or there are none. Measured in
+/// The choice does not depend on sensitivities: a method without them is not exchanged for another. Measured in
 /// docs/methods.md.
 struct AutomaticMethod {
   MethodName method;        ///< that suits the case
@@ -105,7 +105,7 @@ struct AutomaticMethod {
 /// Chooses it, see AutomaticMethod.
 AutomaticMethod automatic_method(const Case& run);
 
-/// What to call the method of a run: its name, with "automatic" where it was asked to be chosen.
+/// Name of the method of a run, with "automatic" where it was chosen by automatic_method().
 std::string method_words(const Case& run);
 
 /// The penalised method that a study of a case takes: the case's own; if that does not penalise, arkode with viscosity,

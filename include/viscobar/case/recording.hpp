@@ -29,7 +29,7 @@ struct Recording {
   std::vector<double> u;                                ///< displacement, K x (J+1), row by row
   std::vector<double> v;                                ///< velocity, likewise; empty where it is not known
   std::vector<double> reaction_left;                    ///< K, or empty where it is not known
-  std::vector<double> reaction_right;                   ///< likewise
+  std::vector<double> reaction_right;                   ///< K, or empty where it is not known
   std::vector<Event> events;                            ///< contact changes in order of time
   Statistics statistics;                                ///< of the run
   std::vector<RecordedSensitivity> sensitivities = {};  ///< an entry for each direction of the case

@@ -57,9 +57,7 @@ struct SymmetricTridiagonal {
   double diagonal_entry(std::size_t i) const;
   /// A(i,i+1) and A(i+1,i), without the end rows.
   double above(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] + skew[i]; }
-  double below(std::size_t i) const {
-    return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i];
-  }  ///< likewise
+  double below(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i]; }
   /// Makes A(i,i+1) and A(i+1,i) zero, but for end rows.
   void uncouple(std::size_t i) {
     off_diagonal[i] = 0.0;
@@ -95,7 +93,7 @@ struct SymmetricTridiagonal {
 struct RowValues {
   std::span<const double> values;  ///< six or n
   std::size_t n = values.size();   ///< unknowns
-  /// Of unknown i, one of the six or any.
+  /// The value of unknown i: one of the first or last three where only six are held.
   double operator()(std::size_t i) const { return i < 3 ? values[i] : values[values.size() - (n - i)]; }
 };
 /// Those of at(i), into `values` of six or n entries.

@@ -58,16 +58,17 @@ struct Lift {
   double right = 0.0;  ///< at x = L
   /// At that end.
   double of(bool at_right) const { return at_right ? right : left; }
-  double& of(bool at_right) { return at_right ? right : left; }  ///< likewise
+  double& of(bool at_right) { return at_right ? right : left; }  ///< value at that end, to be changed
   /// At x = share L.
   double at(double share) const { return std::lerp(left, right, share); }
 };
 
-/// What of a frame jumps at a time.
+/// Jump of the frame at one time.
 struct FrameJump {
   Lift displacement;  ///< of an obstacle that jumps; 0 where all moves continuously
   Lift velocity;      ///< where a motion has a kink
-  bool displaces() const { return displacement.left != 0.0 || displacement.right != 0.0; }  ///< whether anything jumps
+  /// True if the displacement jumps.
+  bool displaces() const { return displacement.left != 0.0 || displacement.right != 0.0; }
 };
 
 /// The energy of a bar and of the springs and masses at its ends.
@@ -120,7 +121,7 @@ class BarSystem {
     return places_.empty() ? mesh_.element(element) : places_[element + 1] - places_[element];
   }
   double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
-  /// Of the element at an unknown, on its right but at the last node.
+  /// stretch() of the element to the right of an unknown's node, at the last node of the element to its left.
   double stretch_at(std::size_t unknown) const { return stretch(std::min(unknown + first_node(), mesh_.elements - 1)); }
   Mass mass() const { return mass_; }                   ///< how inertia is integrated
   const Bar& bar() const { return bar_; }               ///< its material
@@ -135,7 +136,7 @@ class BarSystem {
   bool is_right(std::size_t end) const { return end > 0 || left_fixed(); }
   /// Springs, dashpots and masses at the ends.
   const std::vector<Mount>& mounts() const { return mounts_; }
-  bool has_dashpots() const;  ///< whether a mount has one
+  bool has_dashpots() const;  ///< true if a mount has one
   /// Resistance along the bar; null: none.
   const SideRows* side() const { return side_ ? &*side_ : nullptr; }
   /// Makes the resistance along the bar that of another system of the same nodes.
@@ -174,7 +175,7 @@ class BarSystem {
   bool moving() const { return moves_frame(false) || moves_frame(true); }
   /// The same in a frame that moves with the obstacles that move, too.
   BarSystem following() const;
-  bool follows() const { return following_; }  ///< whether it is that
+  bool follows() const { return following_; }  ///< true if the frame moves with them
   /// True if the obstacle of a contact moves in the frame.
   bool moves(const Contact& contact) const {
     return contact.where != Where::span && !following_ && inputs_[contact.where == Where::right].motion;
@@ -200,7 +201,7 @@ class BarSystem {
   double node_share(std::size_t j) const {
     return places_.empty() ? mesh_.node(j) / mesh_.length : places_[j] / places_.back();
   }
-  double share(std::size_t unknown) const { return node_share(unknown + first_node()); }  ///< likewise
+  double share(std::size_t unknown) const { return node_share(unknown + first_node()); }  ///< of an unknown's node
   /// Adds the lift to a field over all mesh nodes.
   void add_lift(const Lift& lift, std::span<double> nodal) const;
   /// Energy of displacements and velocities over all mesh nodes, not in the frame: the inertia of ends that are moved
@@ -236,8 +237,8 @@ class BarSystem {
 
   /// Displacement of a fixed end, in the frame; absent: it is not fixed.
   const std::optional<double>& wall(bool right) const { return walls_[right]; }
-  std::optional<double> left_displacement() const { return walls_[0]; }   ///< of the left one
-  std::optional<double> right_displacement() const { return walls_[1]; }  ///< likewise of the right one
+  std::optional<double> left_displacement() const { return walls_[0]; }   ///< of a fixed left end
+  std::optional<double> right_displacement() const { return walls_[1]; }  ///< of a fixed right end
 
   /// rho M; the row of a massless node is zero. Its symmetric part, rho Q, makes the kinetic energy.
   const SymmetricTridiagonal& inertia() const { return inertia_; }
@@ -279,7 +280,7 @@ class BarSystem {
 
   /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
   double squared_strain(std::span<const double> u) const;
-  double squared_strain_rate(std::span<const double> w) const;  ///< likewise
+  double squared_strain_rate(std::span<const double> w) const;  ///< int w_x^2
   /// The same of velocities w(i), each an array of them at several times, summed up from `sum`.
   template <class Values>
   Values squared_strain_rate(auto&& w, Values sum) const {
@@ -308,8 +309,8 @@ class BarSystem {
   bool has_end_rows() const {
     return inertia_.unsymmetric() || (moving() && whole_inertia_.unsymmetric()) || (side_ && side_->has_row_power());
   }
-  /// w . rho (M - Q) a, the power that rows of the mass take at velocity w and acceleration a, which has row_values().
-  /// Of the frame.
+  /// w . rho (M - Q) a, the power that rows of the mass take at velocity w and acceleration a in the frame; a has
+  /// row_values().
   double end_power(std::span<const double> w, std::span<const double> a) const {
     return inertia_.unsymmetric_product([w](std::size_t i) { return w[i]; }, RowValues{a, size()});
   }
@@ -323,7 +324,7 @@ class BarSystem {
   /// Copies the unknowns into a field over all mesh nodes (J+1 entries); fixed nodes keep their displacement and stand
   /// still.
   void expand_displacement(std::span<const double> u, std::span<double> nodal) const;
-  void expand_velocity(std::span<const double> w, std::span<double> nodal) const;  ///< likewise
+  void expand_velocity(std::span<const double> w, std::span<double> nodal) const;  ///< the same of a velocity
 
   /// Acceleration of the massive unknowns from a force: force <- (rho M)^{-1} force, zero at massless nodes.
   void accelerate(std::span<double> force) const;
@@ -345,7 +346,7 @@ class BarSystem {
   };
   struct SeparableVector {
     std::vector<double> weighted;  // M profile
-    std::array<double, 2> held;    // likewise
+    std::array<double, 2> held;    // the same of the ends, where they are fixed
     TimeFunction history;
     NextBreak breaks;
   };
@@ -368,7 +369,7 @@ class BarSystem {
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
-  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // likewise
+  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // scale K + m rho M
 
   // A field of all nodes with the frame's motion.
   auto moved(const Lift& by, const auto& x) const {
@@ -390,8 +391,8 @@ class BarSystem {
   State initial_;
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
   std::array<EndInput, 2> inputs_;                   // left, right
-  bool varying_forces_ = false;                      // whether their forces are to be added to the load
-  bool following_ = false;                           // whether the frame moves with obstacles, too
+  bool varying_forces_ = false;                      // true if their forces are to be added to the load
+  bool following_ = false;                           // true if the frame moves with obstacles, too
   std::array<bool, 2> free_{};                       // the ends
   bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
   std::vector<Mount> mounts_;                        // of ends that have one

@@ -27,7 +27,7 @@ struct FieldSensitivity {
   std::span<const double> u;    ///< of the displacement of each node of the mesh, valid during the call
   std::span<const double> v;    ///< of its velocity
   double reaction_left = 0.0;   ///< of Snapshot::reaction_left
-  double reaction_right = 0.0;  ///< likewise
+  double reaction_right = 0.0;  ///< of Snapshot::reaction_right
 };
 
 /// Derivatives of a contact change; NaN where it has none.
@@ -39,7 +39,7 @@ struct ChangeSensitivity {
 /// Derivatives of the accounts of a run, an entry for each direction.
 struct SensitivityAccount {
   std::vector<double> impulse_left;   ///< of the impulse on the left end, so far
-  std::vector<double> impulse_right;  ///< likewise
+  std::vector<double> impulse_right;  ///< of the impulse on the right end, so far
   std::vector<double> energy;         ///< of the final energy
   std::optional<double> lost;         ///< from when on there are no derivatives
   std::string why;                    ///< they are lost, in words

@@ -35,8 +35,8 @@ class SideRows {
   double stiffness(std::size_t j) const { return stiffness_.empty() ? 0.0 : stiffness_[j]; }  ///< k at node j
   double drag(std::size_t j) const { return drag_.empty() ? 0.0 : drag_[j]; }                 ///< c at node j
 
-  double largest_stiffness() const;  ///< of all nodes: (rho M)^{-1} M diag(k) has no eigenvalue above it / rho
-  double largest_drag() const;       ///< likewise of c
+  double largest_stiffness() const;  ///< max k: (rho M)^{-1} M diag(k) has no eigenvalue above it / rho
+  double largest_drag() const;       ///< max c, with the same bound for diag(c)
 
   /// r(j) of displacements u(j) and velocities w(j).
   auto resistance(auto&& u, auto&& w) const {

@@ -33,7 +33,7 @@ struct Diagnostic {
 /// The user's scene cannot be run; has all its errors.
 class SceneError : public std::runtime_error {
  public:
-  explicit SceneError(std::vector<Diagnostic> found);  ///< what() has a line for each
+  explicit SceneError(std::vector<Diagnostic> found);  ///< a line of what() for each
   std::vector<Diagnostic> diagnostics;                 ///< in the order of the text, overrides last
 };
 

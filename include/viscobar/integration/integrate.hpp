@@ -52,7 +52,7 @@ struct Tolerance {
   /// Allowed in addition; the same number for both fields, whatever their units. Absent: relative / 1000 of the scene's
   /// own displacement and velocity, see allowance().
   std::optional<double> absolute{};
-  ErrorControl control = ErrorControl::global;  ///< what the two bound
+  ErrorControl control = ErrorControl::global;  ///< error that both tolerances bound
 
   /// The same with another relative tolerance; the absolute one keeps its ratio to it.
   Tolerance with_relative(double other) const {

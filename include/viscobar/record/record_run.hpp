@@ -45,7 +45,7 @@ struct RecordOptions {
 struct RunRecord {
   Outcome outcome;                  ///< how far it came
   std::string summary;              ///< summary.json as written
-  std::optional<Case> run;          ///< what was run, where record_to_accuracy() chose it
+  std::optional<Case> run;          ///< case that was run, where record_to_accuracy() chose it
   std::filesystem::path directory;  ///< where its files are: the one given, or `unfinished` in it
 };
 

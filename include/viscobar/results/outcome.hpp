@@ -41,7 +41,7 @@ struct CheckpointEvery {
     simulated,  ///< `interval` in simulated time: a resumed run gives the same bits as one never stopped
     wall        ///< `interval` in seconds: bounds the time lost
   };
-  Clock clock = Clock::simulated;  ///< what the interval counts
+  Clock clock = Clock::simulated;  ///< clock of the interval
   double interval = 0.0;           ///< positive
 };
 

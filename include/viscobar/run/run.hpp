@@ -29,7 +29,7 @@ struct EnergyState {
   double elastic = 0.0;      ///< 1/2 E int u_x^2
   double contact = 0.0;      ///< in the springs of a penalty
   double dissipated = 0.0;   ///< since the start, as in EnergyAccount
-  double work = 0.0;         ///< likewise
+  double work = 0.0;         ///< since the start, as in EnergyAccount
   double end_inertia = 0.0;  ///< of the dissipated, as in EnergyAccount
   /// Energy of the bar and its contacts.
   double total() const { return kinetic + elastic + contact; }
@@ -44,7 +44,7 @@ struct Snapshot {
   /// the dashpot of a penalty with restitution, which may pull as a contact opens; for a fixed end the force that holds
   /// or moves it, by its own row (see BarSystem::holding_force); 0 at a free end.
   double reaction_left = 0.0;
-  double reaction_right = 0.0;  ///< likewise
+  double reaction_right = 0.0;  ///< the same at the right end
   double reaction_span = 0.0;   ///< of a span obstacle on all of its nodes
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};
@@ -71,7 +71,7 @@ struct Event {
   double time = 0.0;                ///< t
   Where where = Where::left;        ///< of the obstacle
   std::size_t node = 0;             ///< mesh node
-  Change change = Change::closing;  ///< what happens
+  Change change = Change::closing;  ///< closing or opening
   double velocity = 0.0;            ///< u_t of the node: towards the obstacle when it closes, the impact velocity
   /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
   /// the account of the run.
@@ -144,7 +144,7 @@ struct EndAccount {
 /// The nodes under a span obstacle.
 struct SpanAccount {
   std::size_t closings = 0;  ///< of nodes
-  std::size_t openings = 0;  ///< likewise
+  std::size_t openings = 0;  ///< of nodes
   TimeInContact contact;     ///< of any node
   double impulse = 0.0;      ///< int R dt, R the obstacle's force on the bar in the direction of u, of all nodes
   /// max |R|, see EndAccount::peak_reaction.
@@ -177,7 +177,7 @@ struct LateOpening {
 /// run if it all added up, contact changes apart.
 struct Representation {
   double error = 0.0;     ///< of the pieces, and of putting them together
-  double rounding = 0.0;  ///< what roundings of the motion add up to likewise
+  double rounding = 0.0;  ///< of the motion, accumulated, in the same quantity
   double velocity = 0.0;  ///< that no wave exceeded
 };
 
@@ -193,11 +193,11 @@ struct Statistics {
   std::size_t events = 0;                         ///< contact changes
   double integration_seconds = 0.0;               ///< processor time of the method alone, without its observers
   double reached_time = 0.0;                      ///< how far it came
-  bool completed = false;                         ///< whether to the last output time
+  bool completed = false;                         ///< true if it reached the last output time
   double max_penetration = 0.0;                   ///< max over time and contacts, >= 0
   LateOpening late_opening;                       ///< of adaptive penalised methods
   std::optional<EnergyAccount> energy;            ///< where Observers asked for it
-  std::optional<RunAccount> account;              ///< likewise
+  std::optional<RunAccount> account;              ///< where Observers asked for it
   std::optional<Representation> representation;   ///< of `characteristics`
   std::optional<SensitivityAccount> sensitivity;  ///< where directions were asked for
 };
@@ -267,7 +267,7 @@ enum class Failure {
   inertia,        ///< a step leaves no digit of it beside damping or elasticity
   overflow,       ///< the solution is no longer finite
   load,           ///< it cannot be evaluated, or is too rough
-  short_end,      ///< what is left to the end is lost in the rounding of the time
+  short_end,      ///< the rest of the run is below the rounding of the time
   length,         ///< the end is too many steps away
   chatter,        ///< it is, by contact changes
   brief_contact,  ///< a contact lasts a few roundings of the time

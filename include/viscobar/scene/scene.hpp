@@ -103,7 +103,7 @@ struct GeneralLoad {
   NextBreak breaks = {};         ///< of the density, the same for all x; empty: none
   NextBreakAt breaks_at = {};    ///< those that are at another time for another x, such as a front that moves
   NextBreakAt breaks_in_x = {};  ///< of the density, at a time
-  NextBreakAt detail_in_x = {};  ///< likewise, as of Places; nothing but an estimate of the error asks for it
+  NextBreakAt detail_in_x = {};  ///< details of the density, as of Places; only an error estimate asks for them
 };
 
 /// The density f of a load, in the narrowest kind that holds it.
@@ -113,7 +113,7 @@ using Load = std::variant<SteadyLoad, SeparableLoad, GeneralLoad>;
 struct EndForce {
   TimeFunction value;     ///< F(t)
   NextBreak breaks = {};  ///< of it; empty: it is smooth
-  bool steady = false;    ///< whether it is the same at all times
+  bool steady = false;    ///< true if F is constant
 };
 
 /// How far what holds or bounds an end has moved since the start, in the direction of u. It does not jump.
@@ -165,8 +165,8 @@ struct Scene {
   SpaceFunction velocity;                ///< u_1(x)
   std::optional<Load> load;              ///< f; absent: none
   std::optional<SideResistance> side{};  ///< k and c; absent: none
-  EndInput left_input{};                 ///< what the left end is given
-  EndInput right_input{};                ///< likewise the right one
+  EndInput left_input{};                 ///< force, motion and mounts of the left end
+  EndInput right_input{};                ///< the same of the right end
   Units units;                           ///< of its numbers
   Places displacement_places{};          ///< of u_0
   Places velocity_places{};              ///< of u_1

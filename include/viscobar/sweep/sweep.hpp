@@ -40,7 +40,7 @@ struct SweepPlan {
   std::vector<VariedKey> keys;               ///< that vary
   Combine combine = Combine::grid;           ///< how their values go together
   std::vector<std::string> sensitivities{};  ///< keys with respect to which a row has derivatives, too
-  bool accuracy = false;                     ///< whether each case is to keep an error, and chooses what that needs
+  bool accuracy = false;                     ///< true if each case keeps an error, by settings of its own
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
@@ -110,15 +110,15 @@ inline constexpr std::size_t longest_error = 512;  ///< bytes of an error in a r
 /// Result of a case.
 struct SweepRow {
   std::size_t index = 0;   ///< of the case in its plan
-  bool completed = false;  ///< whether it reached the end of its time
+  bool completed = false;  ///< true if it reached the end of its time
   std::string error;       ///< empty when completed; cut off after longest_error bytes
   std::array<double, quantities> values = [] {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                           ///< NaN is what a table holds where the case has no such value
-  std::vector<double> chosen{};  ///< likewise, in the order of chosen_columns(); empty where no error is to be kept
-  std::vector<double> derivatives{};  ///< likewise, as SweepPlan::derivatives() names them; empty: all NaN
+  }();                                ///< NaN is what a table holds where the case has no such value
+  std::vector<double> chosen{};       ///< in the order of chosen_columns(); empty where no error is to be kept
+  std::vector<double> derivatives{};  ///< as SweepPlan::derivatives() names them; empty: all NaN
   double seconds = 0.0;               ///< wall clock of the whole case
   double integration_seconds = 0.0;   ///< processor time of the method alone
 
@@ -146,7 +146,7 @@ struct SweepFile {
   std::string scene_source;       ///< path of the scene, for diagnostics
   std::string scene_text;         ///< the scene itself, so that every worker runs the same
   std::vector<Setting> settings;  ///< for all cases: [set], then those of the command line
-  SweepPlan plan;                 ///< what varies
+  SweepPlan plan;                 ///< keys that vary, and their values
 
   /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
   std::map<std::string, Diagnostic, std::less<>> places;

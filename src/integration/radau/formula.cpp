@@ -100,7 +100,7 @@ Polynomial lagrange(const std::array<double, stages>& nodes, std::size_t m) {
   return p;
 }
 
-// Of a polynomial in theta: its coefficients of T_m(2 theta - 1). Sums of powers would cancel.
+// Coefficients of T_m(2 theta - 1) of a polynomial in theta. Sums of powers would cancel.
 std::array<Number, stages + 1> in_chebyshev(const std::array<Number, stages + 1>& powers) {
   constexpr std::size_t points = stages + 1;
   std::array<Number, points> result{};
@@ -126,7 +126,7 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
   for (auto& tables : samples_)
     for (auto& table : tables) table.fill(Samples::Zero());
   const Polynomial q = denominator();
-  // Of z^9 in exp(theta z) Q(z).
+  // Largest coefficient of z^9 in exp(theta z) Q(z), 0 <= theta <= 1.
   Real next_term = 0;
   for (int k = 0; k <= 100; ++k) {
     const Real theta = Real(k) / 100;

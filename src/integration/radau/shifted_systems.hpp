@@ -21,7 +21,7 @@ class ShiftedSystems {
 
   /// Takes the matrices of the system with its contacts as they are.
   void take(const PenalisedSystem& system);
-  /// Of steps of length h.
+  /// Factorises the matrices for steps of length h.
   void factorise(double h);
   /// out = K x; 0 where a contact holds the node. By differences, which keep the digits of what is all but constant.
   void multiply_stiffness(std::span<const double> x, std::span<double> out) const;
@@ -30,14 +30,14 @@ class ShiftedSystems {
   /// True if solve() is to correct x by its residual, by a second solve: rounding of the pivots is one of the inertia
   /// by their ratio, and the weights of the formula multiply that by some hundreds.
   void refine(bool wanted) { refines_ = wanted; }
-  /// What a step is wrong by without that, relative to the motion; some fifteen times what was measured.
+  /// Error of a step without that correction, relative to the motion; about fifteen times the measured one.
   double rounding() const { return rounding_; }
 
  private:
   struct Node {
     Complex inverse_pivot;
     Complex towards;  // U(i, next) / pivot, next towards the middle
-    Complex away;     // what the row of next loses of this one: L(next, i)
+    Complex away;     // L(next, i), factor of this row in the elimination of the next one
   };
 
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);

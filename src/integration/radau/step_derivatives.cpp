@@ -119,7 +119,7 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   return inertial || stiff || !rates.mounts.empty() || rates.side;
 }
 
-// What the load changes by over the step, the motion standing still.
+// Change of the load over the step, for a motion that stands still.
 void StepDerivatives::gather_load(std::size_t k, const Step& step, std::span<const double> begin, bool driven) {
   const Formula& formula = Formula::get();
   const std::size_t n = layout_.nodes;
@@ -143,7 +143,7 @@ void StepDerivatives::gather_load(std::size_t k, const Step& step, std::span<con
   }
 }
 
-// Of what they are linear in, h (w + X) / zeta is the image of u's change.
+// Elastic impulses are linear in the change of u, whose image is h (w + X) / zeta.
 void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double> begin,
                                            std::span<const Complex> motion) {
   const std::size_t n = layout_.nodes;

@@ -366,7 +366,7 @@ class Stepper final : public LegStepper {
   std::vector<Complex> x_;
   std::vector<double> accelerations_;            // of a time of the account
   std::vector<double> by_part_;                  // x_ sorted by part; empty until the step is interpolated
-  std::vector<std::size_t> entries_, selected_;  // what can be sampled; the positions of what is
+  std::vector<std::size_t> entries_, selected_;  // entries that can be sampled; the positions of those that are
   std::vector<double> sampled_, inner_;
   std::array<std::vector<double>, 2> points_;  // values and rates at the points of sample_point()
   std::array<bool, 2> pointed_{};              // points_ belong to this step

@@ -82,14 +82,14 @@ class Leg {
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
   void (*solve_step)(Leg&, std::span<double> correction);
-  std::optional<MomentBuilder> moment;  // what drives the derivatives, where there are any
+  std::optional<MomentBuilder> moment;  // drives the derivatives, where there are any
   std::vector<double> new_u, new_w;     // of the step solved for, where somebody asks
   std::vector<double> field;            // scratch, one entry a node
   std::vector<double> acceleration;     // scratch, where the energy account needs it
   std::span<const double> correction;   // of the step or stage solved for last; valid until the next
   double account_correction = 0.0;      // largest of the energy account, at the step solved for last
   std::exception_ptr error;             // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;          // what SUNDIALS said last
+  std::string library_message;          // last message of SUNDIALS
   void* memory = nullptr;               // of the integrator
 
  private:

@@ -28,7 +28,7 @@ class HistorySums {
 
  private:
   std::size_t cascade() const;                // length of the cascade that the sums begin with
-  bool is_triangle(std::size_t order) const;  // whether they are the whole triangle
+  bool is_triangle(std::size_t order) const;  // true if they are the whole triangle
 
   struct Sum {
     double* x = nullptr;

@@ -201,7 +201,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   asked["relative_tolerance"] = study.scene.tolerance.relative;
   asked["budget"] = study.budget;
   tell(json, scene);
-  // What ran, not what was asked: the scene of limit.json, as it stands, is that of the finest mesh.
+  // Settings that ran, not those asked for: the scene of limit.json, as it stands, is that of the finest mesh.
   Json& ran = json["scene"];
   ran["mesh"]["elements"] = orders.elements;
   ran["mesh"]["mass"] = name(resolve(study.scene).mass);

@@ -46,7 +46,7 @@ std::string within(const char* of, const std::optional<double>& error) {
   return error ? fmt::format("{} is {:.2g} away at most", of, *error) : fmt::format("{} does not settle", of);
 }
 
-// What would make an undecided verdict a verdict.
+// Reason of an undecided verdict, and the remedy.
 std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitEvidence& evidence = orders.evidence;
   std::string budget;

@@ -35,7 +35,7 @@ class InUnits {
   const Units& units_;
 };
 
-/// Whether anything does work on the bar: a load, a force on an end, or what moves ends and obstacles.
+/// True if anything does work on the bar: a load, a force on an end, or what moves ends and obstacles.
 bool worked_on(const Scene& scene) {
   const auto drives = [](const EndInput& input) { return input.force || input.motion; };
   return scene.load || drives(scene.left_input) || drives(scene.right_input);

@@ -31,7 +31,7 @@ struct FieldColours {
   static constexpr plot::Colour touching = 0xe0218a;
 };
 
-/// Of values of two signs by a scale whose pale middle is zero.
+/// Colours of a field. Values of two signs have a scale whose pale middle is zero.
 FieldColours colours_of(const ThinnedField& field, const std::string& label);
 
 /// The time of a page's pictures.
@@ -41,7 +41,7 @@ plot::Axis time_axis(const ThinnedField& field, const Units& units);
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours,
                         std::string_view symbol);
 
-/// What a caption says of the scale, and of what the picture was drawn from: `what` are the values of a row.
+/// Caption on the colour scale and on the data of the picture: `what` names the values of a row.
 std::string map_remark(const Case& run, const ThinnedField& field, const FieldColours& colours, const char* what);
 
 /// Output times of the field at about `count` equal distances.
@@ -57,7 +57,7 @@ struct TimeLine {
 std::vector<plot::Point> with_contacts(const std::vector<plot::Point>& line,
                                        const std::vector<plot::Interval>& contacts,
                                        const std::function<double(double t, double reaction)>& value);
-/// Of an end that is "left" or "right", up to where the run came.
+/// Contacts of the end "left" or "right", up to the time that the run reached.
 std::vector<plot::Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data);
 std::vector<plot::Interval> contacts_of_span(const Outcome& outcome, const ReportData& data);
 
@@ -91,7 +91,7 @@ double axial_magnification(const Case& run, const ReportData& data);
 std::string field_json(const ThinnedField& field, const FieldColours& colours);
 /// The contact changes that the page marks, as columns.
 std::string events_json(const ReportData& data, std::size_t happened);
-/// What holds the ends and the span: kind, gap, the times in contact, and of each contact the time of its largest
+/// Supports of the ends and the span: kind, gap, the times in contact, and of each contact the time of its largest
 /// reaction and that. An obstacle that moves has its surface at the
 /// times of the field.
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);

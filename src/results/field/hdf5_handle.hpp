@@ -14,7 +14,7 @@
 
 namespace viscobar {
 
-void set_hdf5_failed();  ///< what hdf5_failed() tells
+void set_hdf5_failed();  ///< hdf5_failed() is true from now on
 
 /// Owns an HDF5 identifier.
 template <herr_t (*Close)(hid_t)>

@@ -86,7 +86,7 @@ std::vector<MeshStep> Plan::made_ladder(std::size_t finest, std::size_t least, b
   return made_ladder(finest, least, same);
 }
 
-// Of three coarse meshes two may be near by chance: an order that is seen once counts half, and that of a number, in
+// Two of three coarse meshes may agree by chance. So an order that is seen once counts half, and that of a number, in
 // which errors of both signs may cancel, not at all.
 SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
   constexpr std::size_t seen_twice = 3;

@@ -9,7 +9,8 @@
 
 namespace viscobar::accuracy {
 
-/// What the error of a mesh has beside its own power of h, from the formulas of u_0, u_1 and f, without a run.
+/// Error of a mesh by its data, beside the term with its own power of h: from the formulas of u_0, u_1 and f, without a
+/// run.
 ///
 /// Waves that an element holds a quarter of, or more, are seen by no mesh of a ladder that is too coarse for all of
 /// them. With the wave number k, the largest amplitudes V of a velocity, F of a load and U of a displacement, they move
@@ -29,7 +30,7 @@ namespace viscobar::accuracy {
 /// with the power 2.
 class DataError {
  public:
-  /// `displacements`: whether errors are those of a displacement, to which waves add.
+  /// `displacements`: true if errors are those of a displacement, to which waves add.
   explicit DataError(const Case& run, bool displacements = true);
 
   /// The error of a ladder with both. Of order 4, 2, ... it stays where there is neither.

@@ -137,7 +137,7 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   if (begun_) estimate.reasons.emplace_back("the search began with the settings of a neighbouring case");
 }
 
-// What of the scene forbids the error, and what it would have to be; empty where nothing does.
+// The setting given in the scene that keeps the error from being reached, and the value needed; empty: there is none.
 std::string Plan::kept_by_scene(const ErrorEstimate& estimate, double order, double penalty_order) const {
   const AccuracyRequest::Given& given = study_.request.given;
   const double space = shares_.space * *requested_, time = shares_.time * *requested_,

@@ -1,4 +1,4 @@
-// What the settings in time and penalty cost of the error, and which ones keep their share of it.
+// Errors by the settings in time and penalty, and the settings that keep their share of the error.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -12,8 +12,8 @@ namespace viscobar::accuracy {
 namespace {
 
 constexpr double finest_tolerance = 1e-13, loosest_that_methods_take = 0.1;
-// Of the relative tolerance, what the methods usually leave of an error (docs/accuracy-on-request.md). Two
-// runs may be closer to each other than to the motion: this is the least that is said of a tolerance.
+// Usual error of the methods, as a share of the relative tolerance (docs/accuracy-on-request.md). It bounds estimates
+// from below, for two runs may be closer to each other than to the motion.
 constexpr double usual_error = 0.005;
 constexpr double least_order_of_penalty = 0.5, penalty_ratio = 10.0;
 

@@ -14,7 +14,7 @@ namespace viscobar::accuracy {
 
 namespace {
 
-// Of the runs that tell what tolerance is needed.
+// Tolerances of the runs that tell which tolerance is needed.
 constexpr double finest_pilot = 1e-8, loosest_tolerance = 1e-3;
 
 // The velocity changed by a wave that no symmetry hides, at rest where an end is fixed: a polynomial, which adds no

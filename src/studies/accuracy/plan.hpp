@@ -27,7 +27,7 @@ class Plan {
  public:
   /// @throws std::invalid_argument where the goal has no limit
   explicit Plan(const AccuracyStudy& study);
-  /// Of a case as it is: nothing is chosen, and nothing asked for. The runs may take so many seconds together.
+  /// Estimates the error of a case as it is: nothing is chosen. The runs may take so many seconds together.
   Plan(Case as_it_is, double most_seconds, std::function<bool()> stop);
 
   /// The case to run now, its settings chosen by runs on coarser meshes. @throws Stopped, IntegrationError
@@ -45,19 +45,19 @@ class Plan {
   struct Part {
     double error = 0.0, order = 1.0;
   };
-  /// What part of a request is left to each error, and with what excess of it a setting stays.
+  /// Share of the requested error for each part.
   struct Shares {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
   static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster, on any unit
   static constexpr std::size_t most_rungs = 4;       ///< meshes that an error is seen by
-  static constexpr double excess = 1.2;
-  static constexpr double nudge_share = 1e-9;  ///< of the natural velocity
+  static constexpr double excess = 1.2;              ///< of its share, with which a setting stays
+  static constexpr double nudge_share = 1e-9;        ///< of the natural velocity
 
   Case with(const Setting& setting) const;
   Setting at(std::size_t elements) const { return {elements, chosen_.fineness, chosen_.epsilon}; }
   Grain grain() const;
-  // Of runs that were made. How far fields are apart is computed once.
+  // Distance and alignment of runs that were made. Each distance of fields is computed once.
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;

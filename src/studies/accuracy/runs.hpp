@@ -18,8 +18,8 @@ struct Stopped {};
 /// The runs for the estimate took longer than the study allows.
 struct TooLong {};
 
-/// What runs differ in: J, the relative tolerance or the time step, epsilon (0: nothing is penalised), and whether the
-/// initial velocity is changed by a little.
+/// Settings that runs differ in: J, the relative tolerance or the time step, epsilon (0: nothing is penalised), and
+/// whether the initial velocity is changed by a little.
 struct Setting {
   std::size_t elements = 0;
   double fineness = 0.0;
@@ -56,11 +56,11 @@ class Runs {
   /// The solution, which somebody else ran.
   void add(const Setting& setting, Sample sample) { samples_.insert_or_assign(setting, std::move(sample)); }
 
-  /// What was made, in the order of the making.
+  /// Runs that were made, in their order.
   const std::vector<std::pair<Setting, Statistics>>& made() const { return made_; }
-  /// That they took, on the clock.
+  /// Wall-clock time of these runs.
   double seconds() const { return seconds_; }
-  /// On the clock, that all may take together; a run that would take longer is ended. Absent: no bound.
+  /// Bound of seconds(); a run that would exceed it is ended. Absent: no bound.
   std::optional<double> most_seconds;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace viscobar::accuracy {
 
-/// What a run says of the goals: the field at some nodes and output times, the ends, the contacts.
+/// Data of a run for all goals: the field at some nodes and output times, the ends, the contacts.
 struct Sample {
   std::vector<double> x;               ///< places that are kept
   std::vector<double> times;           ///< that are kept, K
@@ -57,7 +57,7 @@ std::optional<Sample> sample_of(const Case& run, std::span<const double> times, 
 /// At its output times.
 std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
 
-/// What a recording with its account says, as a probe would have told it.
+/// Sample of a recording with its account: that of a probe in the same run.
 Sample sample_of(const Case& run, const Recording& recording);
 
 /// The largest value of the goal.

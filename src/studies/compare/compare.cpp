@@ -51,7 +51,7 @@ std::optional<std::string> takes_long(const Case& scene, MethodName method) {
 
 MethodRun attempt(const Contender& contender) {
   Case run = contender.run;
-  run.directions.clear();  // what methods are compared by is told by all of them
+  run.directions.clear();  // methods are compared by quantities that all of them have
   MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}, 0};
   try {
     Recording recording = result.built_in ? record_setup(result.setup) : contender.solver(result.setup.run);

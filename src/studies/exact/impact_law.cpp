@@ -22,7 +22,7 @@ Roots decaying_roots(double a, double b) {
     positive -= step;
     if (std::abs(step) <= 1e-16 * positive) break;
   }
-  // What is left is s^2 + (a + positive) s + (a + positive) positive.
+  // The remaining factor is s^2 + (a + positive) s + (a + positive) positive.
   const double sum = a + positive;
   const Complex root = std::sqrt(Complex(sum * (a - 3 * positive)));
   const Complex larger = -0.5 * (sum + root);

@@ -44,9 +44,9 @@ namespace {
 // and so large where it follows a curve.
 constexpr double small_residual = 0.01, large_residual = 3.0, curved_residual = 1.2;
 
-// Whether what is left follows a curve: its successive values are alike, as those of noise are not, whose squared
-// differences are twice its squares, to 2 / m^(1/2). Or whether it stands out at few places: the median of noise is two
-// thirds of its root mean square. Of few numbers nobody can tell.
+// True if the residual is no noise. Either it follows a curve, so that successive values are alike: squared differences
+// of noise are twice its squares, to 2 / m^(1/2). Or it stands out at few places: the median of noise is two thirds of
+// its root mean square. True for numbers too few to tell.
 bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
   const Eigen::Index m = residual.size();
   if (m < parameters + 8) return true;
@@ -147,7 +147,7 @@ void judge(const FitStudy& study, const Minimum& best, FitResult& result) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> factors(scaled, Eigen::ComputeFullV);
   Eigen::VectorXd values = Eigen::VectorXd::Zero(count);
   values.head(factors.singularValues().size()) = factors.singularValues();
-  // What changes nothing: less than roundings make of it.
+  // Smaller singular values are below rounding: their directions leave the model as it is.
   const double least = std::max(1e-8 * values(0), 1e-6);
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
   std::vector<bool> known(size, true);
@@ -215,7 +215,7 @@ void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minim
   result.converged = false;
 }
 
-// Of the parameters, as far as S is quadratic.
+// Standard deviations of the parameters, as far as S is quadratic.
 Eigen::VectorXd deviations(const Misfit& misfit) {
   const Eigen::MatrixXd inverse = (misfit.jacobian.transpose() * misfit.jacobian).inverse();
   return (misfit.variance(inverse.rows()) * inverse.diagonal()).cwiseSqrt();

@@ -310,7 +310,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
       next(free[j]) = limited(free[j], now.at(free[j]), now.at(free[j]) + step(j));
     const Eigen::VectorXd moved = next - now.at;
     const double variance = now.misfit.variance(n_);
-    // Of the quadratic model: |J step|^2 in units of the variance is the step in standard deviations, squared.
+    // In the quadratic model |J step|^2 in units of the variance is the step in standard deviations, squared.
     const double deviations = std::sqrt((jacobian * moved).squaredNorm() / std::max(variance, 1e-300));
     const bool still = ((moved.array().abs() <= rounding_step * now.at.array().abs().max(1e-300)).all());
     if ((damping <= 1.0 && deviations < small_step) || still)
@@ -327,7 +327,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
       now.misfit = std::move(trial);
       continue;
     }
-    // What rounding makes of a sum is no gain to look for.
+    // A gain below the rounding of the sum is none.
     if (trial.sound && std::abs(gained) <= 1e-12 * now.misfit.sum() && predicted <= 1e-9 * now.misfit.sum())
       return converged("the sum of squares does not fall any more");
     damping = std::max(10.0 * damping, 1e-3);

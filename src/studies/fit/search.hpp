@@ -18,7 +18,7 @@ struct Misfit {
   Eigen::VectorXd residual;                 ///< (model - data) / deviation of all numbers measured
   Eigen::MatrixXd jacobian;                 ///< of it by the parameters; a row is zero where there is no derivative
   std::vector<std::vector<double>> traces;  ///< of the model
-  std::vector<Event> changes;               ///< likewise
+  std::vector<Event> changes;               ///< contact changes of the model
   std::optional<double> lost;               ///< from when on there are no derivatives
   std::size_t steps = 0;                    ///< of the run
 
@@ -55,7 +55,7 @@ struct Minimum {
   std::string reason;
 };
 
-/// Whether a step leaves the bounds.
+/// True if a step leaves the bounds.
 bool leaves(const FittedParameter& parameter, double value, double step);
 
 /// Levenberg's and Marquardt's descents of a study.
@@ -68,7 +68,7 @@ class Search {
   /// A run at these values; of one that fails, why. A trial run takes no more than so many times the steps of the
   /// first.
   Misfit at(const Eigen::VectorXd& values, Compared compared, bool derivatives = true);
-  /// Whether velocities or reactions are among the data.
+  /// True if velocities or reactions are among the data.
   bool jumps() const;
   /// Axes of an ellipsoid, its columns, in which values change what is smooth in them by a deviation, and no longer
   /// than the values.

@@ -112,7 +112,7 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std:
   traces.without_obstacles = [&]() -> const EndTraces& {
     if (!mesh.without_obstacles) {
       mesh.without_obstacles = Run{without_obstacles(told.back()->run)};
-      // What the bar does in time can stand for it where it is not there in time.
+      // The bar with obstacles stands for it where the budget does not allow the run.
       if (!mesh.without_obstacles->trace_one_more(mesh.times, purse))
         mesh.without_obstacles->traces = mesh.penalised.back().traces;
     }
@@ -238,8 +238,8 @@ std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, P
 
 // Until the verdict is known, nothing more can be learnt, or the budget does not allow the next run.
 void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
-  constexpr double dear = 1.0 / 120.0;  // of a budget, from which on a shorter run is tried before the next one
-  constexpr std::size_t enough = 3;     // likewise, runs beyond those that were asked for
+  constexpr double dear = 1.0 / 120.0;  // share of a budget from which on a shorter run is tried before the next one
+  constexpr std::size_t enough = 3;     // runs beyond those asked for, from which on the same is done
   bool early = study.budget > 0.0;
   const std::size_t asked = mesh.penalised.size();
   for (;;) {
@@ -367,7 +367,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   };
   orders.penetration = of_node(penetration, orders.boundary);
   orders.to_own_limit = in_step(of_node(to_own, orders.boundary));
-  // What stops at a plateau is no order of anything.
+  // Differences that stop at a plateau have no order.
   if (orders.verdict != Verdict::plateau) {
     orders.to_rigid = in_step(of_node(to_rigid, orders.boundary));
     orders.to_scheme = own ? to_scheme.order_within(orders.to_own_limit) : of_node(to_scheme, orders.boundary);

@@ -18,8 +18,8 @@ namespace viscobar::limit {
 namespace {
 
 constexpr double of_limits = 100.0;  // between the two tolerances that tell a limit's error
-// Of a budget: for the runs that tell when contacts change, and for the steps of the rows that were asked for, which
-// take a third of their time; the rest is for their contacts and traces.
+// Shares of a budget: for the runs that tell when contacts change, and for the steps of the rows that were asked for,
+// which take a third of their time; the rest is for their contacts and traces.
 constexpr double part_of_scouts = 1.0 / 60.0, part_of_rows = 1.0 / 24.0;
 
 Case checked(Case run) {
@@ -28,7 +28,7 @@ Case checked(Case run) {
   return run;
 }
 
-/// Of the processor, of this thread: what a budget buys does not depend on who else is at work.
+/// Processor time of this thread: the runs that a budget allows do not depend on other load of the machine.
 double thread_seconds() {
   std::timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -215,9 +215,9 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
     if (k < mesh.scheme.size()) runs.push_back(&mesh.scheme[k]);
     if (k < mesh.penalised.size()) runs.push_back(&mesh.penalised[k]);
   }
-  const double decides = 0.25 * study.budget;  // what is kept for that, once there is a row
+  const double decides = 0.25 * study.budget;  // reserved for the verdict, once there is a row
   std::mutex mutex;
-  double under_way = 0.0;  // what runs are expected to take that have begun
+  double under_way = 0.0;  // expected time of the runs that have begun
   double next = limits.empty() ? 0.0 : limits.front()->run.seconds, last = next;
   each(runs, study, purse, [&](Run& run) {
     if (run.run.method == MethodName::fully_discrete) return void(run.trace(mesh.times, purse));

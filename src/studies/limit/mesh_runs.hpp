@@ -18,8 +18,8 @@ namespace viscobar::limit {
 /// half of a step at the same time again.
 extern const double scheme_refinement;
 
-/// What a step of the case takes on the machine that the table of methods was measured on: what runs a study makes does
-/// not depend on the clock, but at the end of its budget.
+/// Cost of a step of the case in seconds, on the machine of the table of methods: so the runs of a study depend on the
+/// clock only at the end of its budget.
 double step_seconds(const Case& run);
 
 /// The processor seconds that a study may spend, over all its threads, and who watches it.
@@ -79,8 +79,7 @@ struct Run {
   }
 };
 
-/// What a sequence tends to, by the method `rigid`, and how far that may be from the truth: what a hundredfold
-/// tolerance changes.
+/// Limit of a sequence by the method `rigid`. Its error is the change by a hundredfold tolerance.
 struct KnownLimit {
   Run run, rough;
   double error = 0.0;
@@ -100,7 +99,7 @@ struct MeshRuns {
   std::vector<Run> other_law;
   std::optional<Run> without_obstacles;
   Judgement judgement = {};
-  std::optional<double> lacking_seconds;  // what the next run would have taken, which the budget did not allow
+  std::optional<double> lacking_seconds;  // of the next run, which the budget did not allow
 
   const KnownLimit* scheme_limit() const { return of_scheme && of_scheme->known() ? &*of_scheme : nullptr; }
   const KnownLimit* own_limit() const {
@@ -110,9 +109,9 @@ struct MeshRuns {
   double step() const { return *scheme.back().run.step; }
 };
 
-/// Of a limit, by a run with a hundredfold tolerance.
+/// Error of a limit `run`, by the same run with a hundredfold tolerance, `rough`.
 double limit_error(const EndTraces& run, const EndTraces& rough);
-/// What traces on these times are up to `until`.
+/// Beginning of traces on these times, up to `until`.
 EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until);
 
 /// Cases of one mesh: penalised, of the scheme, and of `rigid` with a restitution.

@@ -48,17 +48,17 @@ constexpr Approach by_step{.order = 1.0, .values = 4, .safety = 2.0};
 // A bounce lasts O(sqrt(epsilon)).
 constexpr Approach by_penalty{.order = 0.5, .values = 3, .safety = 1.0};
 
-// Of the order that theory has: with less a sequence is not taken to tend to anything.
+// Share of the order in theory: a sequence of a lower order is not taken to have a limit.
 constexpr double least_part_of_order = 0.25;
 
 // P(0) = S(0) is believed where what is left is a small part of what a wrong limit would change. A law of impact either
 // is the same or is not: a quarter tells. What contact does with massless nodes has no such alternative.
 constexpr double part_of_law = 0.25, part_of_contact = 0.01;
-// Of what contact changes, where the limit is known: how close both sequences must have come to it.
+// Distance to a known limit that both sequences must have reached, as a share of the stake.
 constexpr double part_of_stake = 0.05;
-// Of that: so close, chatter need not fall from one value to the next.
+// Share of that distance below which chatter need not fall from one value to the next.
 constexpr double beyond_doubt = 0.1;
-// Of a largest difference, that its times may miss: see comparison_times().
+// Share of a largest difference that its times may miss: see comparison_times().
 constexpr double missed_part = 0.01;
 
 bool touches(const EndTraces& traces) { return !traces.events.empty() || traces.statistics.max_penetration > 0.0; }
@@ -81,7 +81,7 @@ bool impacts(const TraceSequence& penalised) {
   return !order || order->order < 0.25;
 }
 
-// What contact changes, and no more than the traces range: without the obstacle a bar under a load may go anywhere.
+// Change of the traces by contact, at most their range: without the obstacle a bar under a load may go anywhere.
 double stake_of_contact(const LimitTraces& mesh) {
   const EndTraces& traces = mesh.penalised.last();
   double range = 0.0;

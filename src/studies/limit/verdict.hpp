@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// Of the boundary of the regimes, from which on down a penalty is small.
+/// Share of the boundary of the regimes below which a penalty counts as small.
 extern const double part_of_boundary;
 
 using TracesRef = std::reference_wrapper<const EndTraces>;
@@ -31,8 +31,8 @@ struct TraceSequence {
 /// |T(x) - T(0)| at the smallest x.
 struct Settling {
   double error = 0.0;
-  bool settled = false;  ///< whether the values show that T(x) tends to something at all
-  bool grows = false;    ///< whether its differences grow as x falls
+  bool settled = false;  ///< true if the values show that T(x) has a limit
+  bool grows = false;    ///< true if its differences grow as x falls
 };
 
 /// How a sequence tends to its limit.

@@ -50,7 +50,7 @@ Recording sound_recording(const Solver& solver, const Case& run) {
   return recording;
 }
 
-// What rounding and tolerances leave of an error is known to the solver alone: no floor.
+// No floor: only the solver knows the share of rounding and tolerances in an error.
 void judge(OrderStudy& study, Refine what) {
   study.what = what;
   study.displacement_l2 = study.errors(&exact::Error::displacement_l2).order();

@@ -174,7 +174,7 @@ std::optional<Field> References::penalty_limit(const System& own, ErrorParts& pa
   const auto order = differences.order();
   if (!order) return *last;
   parts.penalty_order = order->order;
-  // What a power law leaves from epsilon / 100 on to 0 would else be taken for space.
+  // The rest of the power law from epsilon / 100 to 0 would else count as error of space.
   constexpr double least_order = 0.4, greatest_order = 1.5;
   if (rigid || *parts.penalty_order < least_order || *parts.penalty_order > greatest_order) return *last;
   parts.penalty_against += ", extrapolated";

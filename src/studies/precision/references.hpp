@@ -19,7 +19,7 @@ struct Timed {
 /// The tolerances or steps of a method on its mesh, the coarsest first.
 std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run);
 
-/// What all timed runs took together, by the clock on the wall and of the processor.
+/// Time of all timed runs together, by the clock and of the processor.
 struct Spent {
   double wall = 0.0, processor = 0.0;
 };
@@ -37,7 +37,7 @@ class References {
 
   const Continuous& continuous() const { return continuous_; }
   const Field* exact(std::size_t elements) const;     ///< u_* on a mesh, or null
-  const Field* semi_discrete(const Case& run) const;  ///< what the run is to approximate as its time error vanishes
+  const Field* semi_discrete(const Case& run) const;  ///< limit of the run as its time error vanishes
 
   /// Space and penalty of a method on a mesh.
   ErrorParts parts(const Timed& row) const;

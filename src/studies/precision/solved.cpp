@@ -201,7 +201,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
       if (dynamic_cast<const TooLong*>(&error) && run.method != MethodName::exponential) break;
     }
   }
-  // What nothing has checked is no reference.
+  // A solution that no other run has checked is no reference.
   result.field.reset();
   if (result.problem.empty()) result.problem = "no method gives it";
   return result;

@@ -47,7 +47,7 @@ void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, st
 std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const Patience& patience,
                              Statistics* done = nullptr);
 
-/// Of one mesh.
+/// The same on one mesh.
 inline Field field_of(const Case& run, const Mesh& mesh, const Patience& patience, Statistics* done = nullptr) {
   return std::move(fields_of(run, std::span(&mesh, 1), patience, done).front());
 }

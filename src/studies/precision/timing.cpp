@@ -46,7 +46,7 @@ void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   timed.row.seconds = median(std::move(seconds));
 }
 
-/// What the next row should take when the last two have taken this.
+/// Expected time of the next row, by those of the last two.
 double expected(const std::vector<double>& seconds) {
   constexpr double least_growth = 1.2;
   if (seconds.size() < 2) return 0.0;

@@ -25,12 +25,12 @@ AccuracyStart start_at(const Case& solution);
 /// chosen.
 struct AccuracyStudy {
   Case scene;                                       ///< sound
-  AccuracyRequest request;                          ///< what is asked for
+  AccuracyRequest request;                          ///< error that is asked for
   std::optional<AccuracyStart> start;               ///< where a neighbour's search ended; absent: from coarse meshes
   std::size_t threads = 0;                          ///< runs side by side; 0: one a core
   std::size_t most_elements = 20'000;               ///< of a mesh that is tried
   double most_seconds = 60.0;                       ///< on the clock, for the search of a mesh
-  std::function<void(const std::string&)> message;  ///< what is being done; may be empty
+  std::function<void(const std::string&)> message;  ///< told what is being done; may be empty
   std::function<bool()> stop;                       ///< asked after each step; may be empty
 };
 

@@ -22,7 +22,7 @@ struct MethodChoice {
   std::vector<Case> cases;               ///< one for each method
   std::vector<Skipped> skipped;          ///< methods that do not fit the scene
   std::vector<MethodName> default_step;  ///< schemes whose step was chosen, the scene having none
-  std::vector<std::string> remarks;      ///< what else there is to know before their differences
+  std::vector<std::string> remarks;      ///< to be read before the differences
 };
 
 /// Every method that fits the scene, characteristics first, else exponential, which is left out on a mesh of more than
@@ -35,7 +35,7 @@ MethodChoice chosen_methods(const Case& scene, std::span<const MethodName> metho
 /// One entry of a cross-check: a built-in method, or a scheme of your own.
 struct Contender {
   std::string label;   ///< its name in tables
-  Case run;            ///< what it is given
+  Case run;            ///< scene and settings of its run
   Solver solver = {};  ///< empty: the case's own method
 };
 
@@ -64,7 +64,7 @@ struct Comparison {
 
   /// The difference of the reference to a run; absent for the reference itself and for a run that failed.
   const Difference* to_reference(std::size_t run) const;
-  bool completed() const;  ///< whether no run failed
+  bool completed() const;  ///< true if no run failed
 };
 
 /// Runs the contenders, which share mesh and output times, on all cores (or on `threads`; solvers are then called at

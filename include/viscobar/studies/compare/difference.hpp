@@ -11,7 +11,7 @@ namespace viscobar {
 
 /// ||u||_{L2} and ||u_x||_{L2} of a P1 function given by its nodal values: exact, by (h/6) [2 1; 1 2] per element.
 double l2_norm(const Mesh& mesh, std::span<const double> nodal);
-double h1_seminorm(const Mesh& mesh, std::span<const double> nodal);  ///< likewise
+double h1_seminorm(const Mesh& mesh, std::span<const double> nodal);  ///< ||u_x||_{L2}
 
 /// A time in contact at one place: from a closing to the next opening, shorter interruptions than `merge` left out, so
 /// that a chattering contact counts once. `bounces` is the number of closings in it.

@@ -37,7 +37,7 @@ struct TrialResult {
   std::optional<exact::Error> error;  ///< to the exact solution; absent for a scheme that gives its ends only
   std::vector<Finding> findings;      ///< bounds exceeded (key: reference and quantity) and runs that failed
 
-  bool passed() const { return findings.empty(); }               ///< whether nothing was found
+  bool passed() const { return findings.empty(); }               ///< true if nothing was found
   const MethodRun& scheme() const { return check.runs.back(); }  ///< the run of the scheme
   /// The difference of the scheme to a reference; absent where one of the two failed.
   const Difference* to(std::size_t reference) const;

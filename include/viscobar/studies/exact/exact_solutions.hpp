@@ -55,7 +55,7 @@ struct ElasticImpact {
 struct PeriodThree {
   static constexpr double period = 3.0;    ///< of the motion
   static constexpr double closing = 1.0;   ///< in the first period
-  static constexpr double opening = 2.0;   ///< likewise
+  static constexpr double opening = 2.0;   ///< in the first period
   static constexpr double energy = 0.125;  ///< kept
 
   static double end_displacement(double t);  ///< u(0,t)

@@ -38,7 +38,7 @@ std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view name
 
 /// A measured trace: a value for each time of the data, NaN where there is none.
 struct MeasuredTrace {
-  TraceColumn column = TraceColumn::u_left;  ///< what was measured
+  TraceColumn column = TraceColumn::u_left;  ///< quantity that was measured
   std::vector<double> values;                ///< K
   double deviation = 1.0;                    ///< standard deviation of its noise, or what weighs it against others, > 0
   bool assumed = false;                      ///< nobody gave that deviation: noise may be larger
@@ -49,8 +49,8 @@ struct MeasuredTrace {
 struct FittedParameter {
   std::string key;                                        ///< of a direction
   double start = 0.0;                                     ///< where it begins
-  double low = -std::numeric_limits<double>::infinity();  ///< bounds
-  double high = std::numeric_limits<double>::infinity();  ///< likewise
+  double low = -std::numeric_limits<double>::infinity();  ///< lower bound
+  double high = std::numeric_limits<double>::infinity();  ///< upper bound
 };
 
 /// Least squares: the parameters p that make
@@ -77,7 +77,7 @@ struct FitStudy {
   bool differences = false;
   std::function<bool()> stop;           ///< asked after each step of each run; may be empty
   std::vector<std::string> understood;  ///< how files of data were read, a line each, told with the result
-  std::vector<std::string> doubts;      ///< what is strange in the data, in sentences, told among its warnings
+  std::vector<std::string> doubts;      ///< suspect features of the data, a sentence each, told among the warnings
 };
 
 /// Result for one parameter.
@@ -108,8 +108,8 @@ struct FitResult {
   std::size_t freedom = 0;                  ///< m - n; 0: the deviations are those of the data as given
   std::size_t runs = 0;                     ///< of the model, all starts together
   std::size_t iterations = 0;               ///< of the best start
-  bool converged = false;                   ///< it came to a minimum, and nothing speaks against it
-  std::vector<std::string> doubts;          ///< what does, in sentences
+  bool converged = false;                   ///< true if it reached a minimum and `doubts` is empty
+  std::vector<std::string> doubts;          ///< reasons not to trust the result, a sentence each
   std::string reason;                       ///< why it ended
   std::vector<double> sums;                 ///< S at each start's end
   std::vector<std::vector<double>> traces;  ///< of the model, as the study's

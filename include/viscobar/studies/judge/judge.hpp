@@ -54,9 +54,9 @@ struct JudgedColumn {
   std::optional<double> own_mean;   ///< mean error of ours; likewise
   std::optional<double> order;      ///< power of the step that the distance shows from the next coarser solution
   std::vector<double> theirs;       ///< K, for pictures
-  std::vector<double> ours;         ///< likewise
+  std::vector<double> ours;         ///< K, for pictures
 
-  bool jumps() const { return !name.starts_with("u"); }         ///< whether the mean is its distance
+  bool jumps() const { return !name.starts_with("u"); }         ///< true if the mean is its distance
   double distance() const { return jumps() ? mean : largest; }  ///< of the two
   /// Error of ours in that distance.
   std::optional<double> own_distance() const { return jumps() ? own_mean : own_error; }
@@ -77,11 +77,11 @@ std::string_view name(ContactVerdict verdict);  ///< in words
 struct JudgedContact {
   Where where = Where::left;                       ///< of the obstacle
   std::optional<double> place = {};                ///< x under a span obstacle, where a u shows it; absent: anywhere
-  ContactVerdict verdict = ContactVerdict::found;  ///< what became of it
-  std::optional<double> begin = {};                ///< ours
-  std::optional<double> end = {};                  ///< likewise
-  std::optional<double> their_begin = {};          ///< to a sample, or as their changes say
-  std::optional<double> their_end = {};            ///< likewise
+  ContactVerdict verdict = ContactVerdict::found;  ///< found, missed, ...
+  std::optional<double> begin = {};                ///< start of our contact
+  std::optional<double> end = {};                  ///< end of our contact
+  std::optional<double> their_begin = {};          ///< start of theirs, to a sample, or as their changes say
+  std::optional<double> their_end = {};            ///< end of theirs, known as well as the start
   std::size_t parts = 0;                           ///< of ours, with flights between that theirs has not
   std::size_t their_parts = 0;                     ///< of theirs likewise
   std::optional<double> own_error = {};            ///< of our times, where two of our runs have the contact

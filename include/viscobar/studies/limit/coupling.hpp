@@ -27,7 +27,7 @@ struct Coupling {
   std::vector<Mesh> meshes;          ///< from coarse to fine
   double mesh_order = 0.0;           ///< q
   std::optional<ObservedOrder> law;  ///< epsilon ~ h^s over the meshes
-  std::string limit;                 ///< what the differences are to: "rigid" or "scheme"
+  std::string limit;                 ///< reference of the differences: "rigid" or "scheme"
 };
 
 /// Absent when the data do not carry it, with the reason.

@@ -30,7 +30,7 @@ struct LimitStudy {
   std::optional<ErrorEstimate> estimate = {};  ///< of the mesh, where limit_to_accuracy() has chosen it
   std::function<void(std::size_t done, std::size_t of)> progress = {};  ///< told after each run, one call at a time
   std::function<void(const LimitRow&)> row = {};  ///< told each row as it is made, likewise; difference_to_scheme is 0
-  std::function<bool()> interrupted = {};         ///< whether to stop: what is there is judged
+  std::function<bool()> interrupted = {};         ///< true to stop: the runs so far are judged
 };
 
 /// One penalised run of a study, beside the limits of its mesh.
@@ -43,9 +43,9 @@ struct LimitRow {
   double max_penetration = 0.0;  ///< max over time and contacts, >= 0
   /// max over comparison_times() and traces of |u - u_scheme|, at the smallest step
   double difference_to_scheme = 0.0;
-  std::optional<double> difference_to_rigid;         ///< likewise, to `rigid` with the scene's restitution, or 0
-  std::optional<double> difference_to_own_limit;     ///< likewise, to P(0)
-  std::optional<double> difference_to_scheme_limit;  ///< likewise, to S(0)
+  std::optional<double> difference_to_rigid;         ///< to `rigid` with the scene's restitution, or 0
+  std::optional<double> difference_to_own_limit;     ///< to P(0)
+  std::optional<double> difference_to_scheme_limit;  ///< to S(0)
   std::size_t steps = 0;                             ///< of the integrator
   double seconds = 0.0;                              ///< of the integration alone
 };
@@ -57,7 +57,8 @@ struct FailedRun {
   std::string what;          ///< the error's message
 };
 
-/// Whether P(0) = S(0): P(epsilon) the end traces of the penalised system, S(dt) those of the scheme on the same mesh.
+/// Answer to the question P(0) = S(0): P(epsilon) the end traces of the penalised system, S(dt) those of the scheme on
+/// the same mesh.
 enum class Verdict {
   converges,  ///< P(0) and S(0) are one, and both sequences are seen to tend there
   plateau,    ///< they differ by more than all uncertainties
@@ -65,7 +66,7 @@ enum class Verdict {
 };
 std::string_view name(Verdict verdict);  ///< as in JSON
 
-/// What an undecided verdict lacks.
+/// Evidence that an undecided verdict lacks.
 enum class Lack {
   nothing,           ///< the verdict is known
   obstacle,          ///< the bar goes through it: a penetration of a tenth of max|u| or more at the smallest epsilon
@@ -78,7 +79,7 @@ enum class Lack {
   tighter_tolerance  ///< the limits are not known closely enough
 };
 
-/// What the runs of one mesh tell of G = |P(0) - S(0)|, | | the largest over time and traces. `rigid` knows S(0) of end
+/// Evidence of one mesh on G = |P(0) - S(0)|, | | the largest over time and traces. `rigid` knows S(0) of end
 /// obstacles, on any mass, and P(0): the same motion of massless nodes and of a restitution that both share, and that
 /// of restitution 1 of nodes with mass on an undamped spring. Then G is known to the errors of two runs, and P and S
 /// are to be seen to fall to their limits. Elsewhere
@@ -92,18 +93,18 @@ struct LimitEvidence {
   std::optional<double> scheme_error;   ///< |S(dt) - S(0)| at most; absent: not settled
   std::optional<double> apart;          ///< G, where both limits are known
   double apart_error = 0.0;             ///< of it, at most
-  bool extrapolated = false;            ///< whether S(dt) has lost its error of first order in dt, by two steps
-  /// What a wrong limit would change: between massive nodes that share one law of impact under a span what another
-  /// restitution does, else what contact itself does, and no more than the ends move. Absent where the verdict does not
+  bool extrapolated = false;            ///< true if two steps remove the error of first order in dt from S(dt)
+  /// Change of the traces by a wrong limit, at most as far as the ends move: that by another restitution for massive
+  /// nodes that share one law of impact under a span, else that by contact itself. Absent where the verdict does not
   /// depend on it.
   std::optional<double> stake;
-  bool by_law = false;            ///< whether the stake is that of another restitution
+  bool by_law = false;            ///< true if the stake is that of another restitution
   std::optional<double> until{};  ///< the verdict is that of the time up to there, where less than the run tells it
   Lack lack = Lack::nothing;      ///< of an undecided verdict
 
   /// Bounds of |P(0) - S(0)|; absent where a term is.
   std::optional<double> lower() const;
-  std::optional<double> upper() const;  ///< likewise
+  std::optional<double> upper() const;  ///< upper bound
 };
 
 /// A run of the scheme in a study.
@@ -116,7 +117,7 @@ struct SchemeRun {
   std::vector<double> differences;  ///< of the rows of its mesh to it
 };
 
-/// What the rows of one mesh say.
+/// Orders and verdict of one mesh, from its rows.
 struct LimitOrders {
   std::size_t elements = 0;       ///< J
   std::size_t first_row = 0;      ///< index of the mesh's first row in LimitResult::rows
@@ -125,7 +126,7 @@ struct LimitOrders {
   double scheme_error = 0.0;      ///< of the scheme's end traces by this step, estimated also where not settled
   std::size_t scheme_events = 0;  ///< contact changes of the scheme at this step
   std::vector<SchemeRun> scheme;  ///< its runs, dt decreasing
-  double tolerance_error = 0.0;   ///< what the time integration may add to a difference
+  double tolerance_error = 0.0;   ///< largest contribution of the time integration to a difference
   double tolerance = 0.0;         ///< relative, of the penalised runs
   double largest = 0.0;           ///< max |u| of the traces
   /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
@@ -133,15 +134,15 @@ struct LimitOrders {
   std::optional<double> boundary;
   /// Powers of epsilon as epsilon goes to 0, where they settle (see Sequence).
   std::optional<SequenceOrder> penetration;
-  std::optional<SequenceOrder> to_rigid;         ///< likewise, of difference_to_rigid
-  std::optional<SequenceOrder> to_scheme;        ///< likewise, of difference_to_scheme
-  std::optional<SequenceOrder> to_own_limit;     ///< likewise
-  std::optional<SequenceOrder> to_scheme_limit;  ///< likewise
+  std::optional<SequenceOrder> to_rigid;         ///< of difference_to_rigid
+  std::optional<SequenceOrder> to_scheme;        ///< of difference_to_scheme
+  std::optional<SequenceOrder> to_own_limit;     ///< of difference_to_own_limit
+  std::optional<SequenceOrder> to_scheme_limit;  ///< of difference_to_scheme_limit
   std::optional<SequenceOrder> of_step;          ///< the power of dt in the scheme's distances to its limit
   /// Where the mesh resolves the contact layer: of a settled range whose middle lies above the boundary, before
   /// another.
   std::optional<SequenceOrder> penetration_layer;
-  std::optional<SequenceOrder> to_rigid_layer;  ///< likewise
+  std::optional<SequenceOrder> to_rigid_layer;  ///< of difference_to_rigid there
   Verdict verdict = Verdict::undecided;         ///< on this mesh
   LimitEvidence evidence;                       ///< that it rests on
   bool interrupted = false;                     ///< from outside
@@ -160,17 +161,17 @@ struct OwnMotion {
     double scheme = 0.0;            ///< |S(0) - u|
     double apart = 0.0;             ///< |P(0) - S(0)|
     std::optional<double> epsilon;  ///< at which |P(epsilon) - P(0)| is as large; absent: outside the rows
-    std::optional<double> step;     ///< likewise, of the scheme
+    std::optional<double> step;     ///< at which |S(dt) - S(0)| is as large; absent: outside the runs
   };
   std::vector<Mesh> meshes;              ///< from coarse to fine
-  std::optional<SequenceOrder> penalty;  ///< power of h; absent: not settled
-  std::optional<SequenceOrder> scheme;   ///< likewise
-  std::optional<SequenceOrder> apart;    ///< likewise, the plateau's
-  std::string reference;                 ///< what u is
+  std::optional<SequenceOrder> penalty;  ///< power of h of Mesh::penalty; absent: not settled
+  std::optional<SequenceOrder> scheme;   ///< the same of Mesh::scheme
+  std::optional<SequenceOrder> apart;    ///< the same of Mesh::apart, the plateau
+  std::string reference;                 ///< source of u, in words
   double error = 0.0;                    ///< of u, by half as many elements
 };
 
-/// What a study found.
+/// The result of a study.
 struct LimitResult {
   std::vector<LimitRow> rows;           ///< mesh by mesh, epsilon decreasing
   std::vector<LimitOrders> orders;      ///< one for each mesh
@@ -193,7 +194,7 @@ std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade
 ///         std::invalid_argument (the scene has no obstacle, or a run of it is not sound)
 LimitResult limit_of(const LimitStudy& study);
 
-/// What the penalised runs of a study tend to, epsilon = 0, solved to an error: the rigid limit on the mass that the
+/// Limit epsilon = 0 of the penalised runs of a study, solved to an error: the rigid limit on the mass that the
 /// partners have in common, or scheme (2.8) where there is none (a span obstacle). The mesh that it takes is one for
 /// the whole study: contact is hardest at epsilon = 0.
 /// @throws as solve()

@@ -50,7 +50,7 @@ struct Sequence {
 
   std::vector<double> x;         ///< decreasing, > 0
   std::vector<double> distance;  ///< >= 0
-  std::vector<double> floor;     ///< what else is in each distance, >= 0
+  std::vector<double> floor;     ///< contribution of other errors to each distance, >= 0
   double within = 0.04;          ///< how closely an order is to be told
 
   /// One more value.

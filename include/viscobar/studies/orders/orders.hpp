@@ -31,9 +31,9 @@ struct OrderStudy {
   /// Over the largest range that ends with the finest level and settles to Sequence::by_few: three levels at least.
   /// Absent: not settled, or an error is 0.
   std::optional<SequenceOrder> displacement_l2;
-  std::optional<SequenceOrder> velocity_l2;  ///< likewise
-  std::optional<SequenceOrder> end_trace;    ///< likewise
-  std::optional<SequenceOrder> reaction_l1;  ///< likewise
+  std::optional<SequenceOrder> velocity_l2;  ///< absent as above
+  std::optional<SequenceOrder> end_trace;    ///< absent as above
+  std::optional<SequenceOrder> reaction_l1;  ///< absent as above
   Refine what = Refine::mesh;                ///< else dt is what errors are powers of
 
   /// Those of a quantity over the levels.

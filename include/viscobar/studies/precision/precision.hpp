@@ -12,7 +12,7 @@ namespace viscobar {
 
 /// The solution of a scene of rho u_tt - E u_xx - eta u_xxt = f, as its user knows it.
 struct KnownSolution {
-  std::string name;     ///< what it is, in words
+  std::string name;     ///< in words
   SpaceTimeFunction u;  ///< displacement
 };
 
@@ -29,7 +29,7 @@ struct KnownSolution {
 /// u_h is the rigid limit on massless contact nodes; on nodes with mass that of the method's own law of impact: a
 /// penalty at epsilon / 100, extrapolated where it falls by a power of epsilon, or a scheme at a far smaller step.
 struct PrecisionStudy {
-  Case scene;                         ///< what is run, but for method, mesh and tolerance
+  Case scene;                         ///< scene of all runs, but for method, mesh and tolerance
   std::vector<MethodName> methods;    ///< empty: all that fit the scene, but for exponential
   std::vector<double> tolerances;     ///< relative, decreasing; the absolute ones keep their ratio to them
   std::vector<std::size_t> elements;  ///< meshes, all on the scene's epsilon; empty: the scene's
@@ -38,7 +38,7 @@ struct PrecisionStudy {
   double seconds = 1.0;  ///< a run that would take longer is left out; references may take 20 times as long
   std::optional<KnownSolution> exact;  ///< absent: characteristics where they fit, else finer meshes
   std::size_t threads = 0;             ///< of references and errors; timed runs have the machine alone
-  std::function<void(const std::string& what)> progress;  ///< what is being run; may be empty
+  std::function<void(const std::string& what)> progress;  ///< told what is being run; may be empty
   std::function<bool()> stop;                             ///< asked after each step of each run; may be empty
 };
 
@@ -69,9 +69,9 @@ struct ErrorParts {
   std::optional<double> space;            ///< of the mesh, the semi-discrete solution to u_*
   std::optional<double> penalty;          ///< absent where nothing is penalised
   std::optional<double> penalty_order;    ///< power of epsilon over two decades; absent: not settled
-  std::string penalty_against;            ///< what stands for epsilon = 0
-  std::string time_reference;             ///< what the time errors are against; empty where there is nothing,
-  double time_reference_error = 0.0;      ///< how good that is: its difference to another route or to a coarser run
+  std::string penalty_against;            ///< reference for epsilon = 0, in words
+  std::string time_reference;             ///< reference of the time errors, in words; empty: there is none
+  double time_reference_error = 0.0;      ///< its difference to another method or to a coarser run
   std::string problem;                    ///< why a part or the reference is missing
 };
 
