@@ -1,18 +1,42 @@
 #include <fmt/format.h>
 
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "case/massless.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
+namespace {
+
+/// The words of those that help, as a list.
+std::string choice(std::initializer_list<std::pair<bool, std::string_view>> all) {
+  std::vector<std::string_view> words;
+  for (const auto& [helps, word] : all)
+    if (helps) words.push_back(word);
+  std::string text;
+  for (std::size_t k = 0; k < words.size(); ++k)
+    text += fmt::format("{}{}", k == 0 ? "" : k + 1 == words.size() ? " or " : ", ", words[k]);
+  return text;
+}
+
+}  // namespace
+
 std::string remedy(const Case& run, Failure why) {
+  const bool penalty = has_penalty(run.scene), stop = has_stops(run.scene);
+  const std::pair<bool, std::string_view> larger{penalty, "a larger contact.epsilon"},
+      softer{stop, "a smaller contact.stiffness"}, massless{may_be_massless(run), "mesh.mass = \"redistributed\""};
   switch (why) {
     case Failure::accuracy:
       return "loosen method.relative_tolerance and method.absolute_tolerance, take a larger contact.epsilon, or check "
              "the load for jumps";
     case Failure::digits: return "loosen method.relative_tolerance or raise method.absolute_tolerance";
     case Failure::stiffness:
-      return "take a larger contact.epsilon, mesh.mass = \"redistributed\" or method.name = \"arkode\"; check initial "
-             "data and load for values that are far too large";
+      return fmt::format("take {}; check initial data and load for values that are far too large",
+                         choice({larger, softer, massless, {true, "method.name = \"arkode\""}}));
     case Failure::inertia:
       return fmt::format("{}, a smaller bar.viscosity or bar.modulus, or a larger bar.density",
                          is_scheme(run.method) ? "take a shorter method.step" : "choose an earlier time.end");
@@ -26,9 +50,9 @@ std::string remedy(const Case& run, Failure why) {
     case Failure::length:
       return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";
     case Failure::chatter:
-      return "contact nodes bounce without end: take mesh.mass = \"redistributed\", contact.restitution = 0, or a "
-             "larger contact.epsilon";
-    case Failure::brief_contact: return "take a larger contact.epsilon, or mesh.mass = \"redistributed\"";
+      return fmt::format("contact nodes bounce without end: take {}",
+                         choice({massless, {penalty, "contact.restitution = 0"}, larger, softer}));
+    case Failure::brief_contact: return fmt::format("take {}", choice({larger, softer, massless}));
     case Failure::toggling: return "take a larger contact.epsilon, or measure displacements from the obstacle";
     case Failure::detail:
       return "choose an earlier time.end, a positive bar.viscosity with another method.name, or rigid";

@@ -40,6 +40,11 @@ class SceneEntries {
   bool present(std::string_view key) const { return find(key) != nullptr; }
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }
+  /// True if any key is that begins so.
+  bool given_below(std::string_view prefix) const {
+    const auto next = entries_.lower_bound(prefix);
+    return next != entries_.end() && next->first.starts_with(prefix);
+  }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
   bool sound() const { return found_.empty(); }
   bool sound(std::string_view key) const { return present(key) && !faulty(key); }

@@ -71,7 +71,7 @@ void check_law(SceneEntries& entries, const std::string& table) {
 }  // namespace
 
 std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side) {
-  const bool own = std::ranges::any_of(leaves, [&](const char* leaf) { return entries.present(side + "." + leaf); });
+  const bool own = entries.given_below(side + ".contact.");
   const std::string table = own ? side : "";
   const auto known = law_of(entries, table);
   if (!known) return std::nullopt;
@@ -100,7 +100,9 @@ std::optional<std::pair<std::string, double>> damping_by(const SceneEntries& ent
 }
 
 void check_laws(SceneEntries& entries) {
-  for (const char* table : {"", "left", "right"}) check_law(entries, table);
+  for (const auto& [prefix, table] :
+       {std::pair{"contact.", ""}, {"left.contact.", "left"}, {"right.contact.", "right"}})
+    if (entries.given_below(prefix)) check_law(entries, table);
 }
 
 }  // namespace viscobar

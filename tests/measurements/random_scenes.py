@@ -5,9 +5,9 @@ python3 tests/measurements/random_scenes.py PROGRAM [KIND ...] [--count 300] [--
 
 KIND is laws, side, masses, gauges, series; absent: each. A row tells how many scenes, contact changes and runs there were,
 and the largest difference, with its method and seed, of end traces (u, v), reactions, gauges, impulses and balance of energy.
-The unit is 100 times the tolerance of 1e-9, which docs/methods.md promises of a solution of size 1, times what the scene
-magnifies a change of its start by; of forces it is (E + eta)/h times that. A scene is set aside where that is above 30, or a
-contact change is slower than 0.02.
+The unit is 100 times rtol max|v| + atol, which docs/methods.md promises, both tolerances 1e-9, times what the scene magnifies a
+change of its start by; of forces it is (E + eta)/h and the stiffness of contacts times that. A scene is set aside where that is
+above 30, or a contact change is slower than 0.02.
 """
 import argparse
 import concurrent.futures
@@ -234,12 +234,14 @@ def compare(scene, directory, times, truth, impulses):
     names, rows = table(os.path.join(directory, "ends.csv"))
     column = {name: rows[:, k] for k, name in enumerate(names)}
     promise = 100 * TOLERANCE * scene.magnifies
-    size = max(1.0, max(np.max(np.abs(v)) for _, v, _ in truth))
+    size = 1.0 + max(np.max(np.abs(v)) for _, v, _ in truth)
     if len(rows) != len(times):
         return {"traces": np.inf}
     found = {"traces": max(np.max(np.abs(column[f"{q}_{side}"] - [row[k][i] for row in truth])) for k, q in ((0, "u"), (1, "v"))
                            for i, side in ((0, "left"), (-1, "right"))) / size / promise}
-    force = size * max(1.0, (scene.modulus + scene.viscosity) * scene.elements / scene.length)
+    contact = sum((end["stiffness_law"] + end["damping"] if "stiffness_law" in end else 1 / scene.epsilon)
+                  for end in scene.ends if end["kind"] == "obstacle")
+    force = size * ((scene.modulus + scene.viscosity) * scene.elements / scene.length + contact)
     found["reactions"] = max(np.max(np.abs(column[f"reaction_{side}"][1:] - [row[2][i] for row in truth[1:]]))
                              for i, side in ((0, "left"), (1, "right"))) / force / promise
     if scene.gauges:

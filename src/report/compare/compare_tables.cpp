@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "case/massless.hpp"
 #include "results/csv.hpp"
 
 namespace viscobar {
@@ -191,8 +192,9 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
   const Case& first = check.runs.front().setup.run;
   if (penalty && exact && !first.restitution && first.mass != Mass::redistributed)
     found.push_back(
-        "Contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
-        "contact.restitution gives both the same law, mesh.mass = \"redistributed\" takes the mass away");
+        std::string("Contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
+                    "contact.restitution gives both the same law") +
+        (may_be_massless(first) ? ", mesh.mass = \"redistributed\" takes the mass away" : ""));
   return found;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case/massless.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -113,7 +115,7 @@ std::string remedy_of_plateau(const LimitStudy& study) {
     return std::string(
                ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "
                "contact.restitution gives both the same law") +
-           (study.scene.scene.span ? "" : ", --mass redistributed takes the mass away");
+           (!may_be_massless(study.scene) ? "" : ", --mass redistributed takes the mass away");
   if (study.scene.scene.span && resolve(study.scene).mass == Mass::consistent)
     return ". Under a span obstacle the consistent mass ties the impacts of neighbours together, where penalty and "
            "scheme share no law; with --mass lumped they do";
