@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "viscobar/case/case.hpp"
+#include "case/scene_numbers.hpp"
 
 namespace viscobar {
 
@@ -39,7 +39,35 @@ Load carried_load(const Load& load, double length) {
   return GeneralLoad{density, general.breaks, general.breaks_at, general.breaks_in_x};
 }
 
+constexpr std::pair<std::string_view, double Bar::*> of_bar[] = {{"bar.length", &Bar::length},
+                                                                 {"bar.density", &Bar::density},
+                                                                 {"bar.modulus", &Bar::modulus},
+                                                                 {"bar.viscosity", &Bar::viscosity}};
+constexpr std::pair<std::string_view, double EndInput::*> of_end[] = {
+    {"stiffness", &EndInput::stiffness}, {"dashpot", &EndInput::dashpot}, {"mass", &EndInput::mass}};
+
 }  // namespace
+
+double* number_of(Bar& bar, Scene& scene, std::string_view key) {
+  for (const auto& [name, number] : of_bar)
+    if (key == name) return &(bar.*number);
+  for (const bool right : {false, true}) {
+    const std::string_view end = right ? "right." : "left.";
+    if (!key.starts_with(end)) continue;
+    const std::string_view leaf = key.substr(end.size());
+    auto* obstacle = std::get_if<Obstacle>(right ? &scene.right : &scene.left);
+    if (leaf == "gap" && obstacle) return &obstacle->gap;
+    for (const auto& [name, number] : of_end)
+      if (leaf == name) return &((right ? scene.right_input : scene.left_input).*number);
+  }
+  return nullptr;
+}
+
+double* number_of(Case& run, std::string_view key) {
+  if (key != "contact.restitution") return number_of(run.scene.bar, run.scene, key);
+  if (!run.restitution) run.restitution = 0.0;
+  return &*run.restitution;
+}
 
 Direction direction(const Case& run, std::string_view key) {
   const Scene& scene = run.scene;
@@ -50,28 +78,13 @@ Direction direction(const Case& run, std::string_view key) {
   data.section = scene.section, data.section_places = scene.section_places;
   data.displacement = data.velocity = [](double) { return 0.0; };
   data.left = scene.left, data.right = scene.right, data.span = scene.span;
-  const auto gap_of = [](Obstacle* obstacle) -> double* {
-    if (!obstacle) return nullptr;
-    obstacle->gap = 0.0;
-    return &obstacle->gap;
-  };
-  const std::pair<std::string_view, double*> places[] = {
-      {"bar.length", &along.bar.length},
-      {"bar.density", &along.bar.density},
-      {"bar.modulus", &along.bar.modulus},
-      {"bar.viscosity", &along.bar.viscosity},
-      {"left.gap", gap_of(std::get_if<Obstacle>(&data.left))},
-      {"right.gap", gap_of(std::get_if<Obstacle>(&data.right))},
-      {"span.gap", gap_of(data.span ? &*data.span : nullptr)},
-      {"left.stiffness", &data.left_input.stiffness},
-      {"left.dashpot", &data.left_input.dashpot},
-      {"left.mass", &data.left_input.mass},
-      {"right.stiffness", &data.right_input.stiffness},
-      {"right.dashpot", &data.right_input.dashpot},
-      {"right.mass", &data.right_input.mass},
-      {"contact.epsilon", &along.epsilon},
-      {"contact.restitution", &along.restitution},
-  };
+  for (Obstacle* obstacle :
+       {std::get_if<Obstacle>(&data.left), std::get_if<Obstacle>(&data.right), data.span ? &*data.span : nullptr})
+    if (obstacle) obstacle->gap = 0.0;
+  double* place = number_of(along.bar, data, key);
+  if (key == "span.gap" && data.span) place = &data.span->gap;
+  if (key == "contact.epsilon") place = &along.epsilon;
+  if (key == "contact.restitution") place = &along.restitution;
   // The numbers of stops: of an end's own, or of all that have those of [contact].
   std::vector<double*> of_stops;
   bool lets_go_from_here = false;
@@ -95,19 +108,18 @@ Direction direction(const Case& run, std::string_view key) {
     data.side.emplace().*part = [](double) { return 1.0; };
     return along;
   }
-  const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
   if (lets_go_from_here) refuse("the time at which a stop opens has a kink at 0; give a positive damping");
   for (double* number : of_stops) *number = 1.0;
   if (!of_stops.empty()) return along;
   if (key.find("contact.") != key.npos && (key.ends_with(".stiffness") || key.ends_with(".damping")))
     refuse("no stop of the scene has this number");
-  if (place == std::end(places)) {
-    std::string known;
-    for (const auto& [name, number] : places) known.append(known.empty() ? "" : ", ").append(name);
-    refuse(fmt::format("known are {}, side.stiffness, side.drag, the numbers of contact laws, and parameters.NAME",
-                       known));
-  }
-  if (!place->second) refuse("the scene has no such obstacle");
+  if (!place && (key == "left.gap" || key == "right.gap" || key == "span.gap"))
+    refuse("the scene has no such obstacle");
+  if (!place)
+    refuse(
+        "known are bar.length, bar.density, bar.modulus, bar.viscosity, left.gap, right.gap, span.gap, left.stiffness, "
+        "left.dashpot, left.mass, right.stiffness, right.dashpot, right.mass, contact.epsilon, contact.restitution, "
+        "side.stiffness, side.drag, the numbers of contact laws, and parameters.NAME");
   if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))
     if (is_fixed(key.starts_with("left") ? scene.left : scene.right))
       refuse("a fixed end has no spring, no dashpot and no mass");
@@ -118,7 +130,7 @@ Direction direction(const Case& run, std::string_view key) {
     if (is_penalised(run.method) && run.restitution == 0.0)
       refuse("the dashpot of a penalised contact has none at 0; take rigid, or a positive restitution");
   }
-  *place->second = 1.0;
+  *place = 1.0;
   if (key == "bar.length") {
     if (scene.side)
       along.data.side =

@@ -9,6 +9,7 @@ namespace viscobar {
 
 namespace {
 
+constexpr double least_top = 8.2;   // of a spectrum
 constexpr double stiffest = 100.0;  // of a spring, in E/h: the node of a stiffer one is as good as held
 
 // g(mu), seven times differentiable: of a kink the polynomial would want more terms.
@@ -85,8 +86,9 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
   if (held_ == held) return;
   if (!held_) {
     stiffness_.emplace(bar_);
-    top_ = std::max(8.2, 1.02 * end_mode(stiffness));
-    coefficients_ = chebyshev(top_);
+    top_ = std::max(least_top, 1.02 * end_mode(stiffness));
+    static const std::vector<double> without_springs = chebyshev(least_top);
+    coefficients_ = top_ == least_top ? without_springs : chebyshev(top_);
     for (std::vector<double>* one : {&first_, &second_, &next_, &start_, &force_, &rate_}) one->resize(n);
   }
   held_ = held;

@@ -218,7 +218,8 @@ void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
   for (End& end : ends_) {
     const std::size_t* const first = std::exchange(position, position + end.entries.size());
     if (!end.shut) {
-      end.u[j] = displacement(end, t, end.entries.empty() ? y.first(0) : y.subspan(*first, 1));
+      if (extremes_ || j == order_)
+        end.u[j] = displacement(end, t, end.entries.empty() ? y.first(0) : y.subspan(*first, 1));
       continue;
     }
     std::array<double, 6> values{};
@@ -389,10 +390,14 @@ inline double ContactWatch::side_row(const End& end, std::span<const double> y) 
 }
 
 inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
-  end.u[j] = displacement(end, t, y);
-  end.stored_now = stored(end, y);
-  end.force[j] = reaction(end, t, y);
-  if (holds_mass(end)) end.momentum[j] = momentum(end, y);
+  if (extremes_) {
+    end.force[j] = reaction(end, t, y);
+    if (holds_mass(end)) end.momentum[j] = momentum(end, y);
+  }
+  if (extremes_ || j == order_) {
+    end.u[j] = displacement(end, t, y);
+    end.stored_now = stored(end, y);
+  }
   if (!(apart_ && springs_)) end.rate[j] = rate(end, t, y);
 }
 

@@ -135,7 +135,8 @@ class ContactWatch {
       if (end.shut) end.account->impulse += end.stored_now - end.stored, end.stored = end.stored_now;
   }
 
-  /// True if the samples are those of polynomials, to about 1e-10: the last difference is far below the values.
+  /// True if the samples are those of polynomials, to about 1e-10: the last difference is far below the values. With
+  /// `extremes`.
   bool resolved() const;
 
   /// The state is (u, w) in another frame now: no force has done it.

@@ -206,7 +206,7 @@ double EventSearch::against(std::size_t i, double t, std::span<const double> y) 
 
 double EventSearch::against(std::size_t i, double t) {
   if (system_.indicator_needs_rates(i)) return oriented(i, t, at(t));
-  stepper_.interpolate(t, state_);
+  stepper_.interpolate_ends(t, state_);
   return against(i, t, state_);
 }
 

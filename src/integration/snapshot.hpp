@@ -12,8 +12,9 @@ namespace viscobar {
 /// Turns the unknowns of a penalised run into snapshots over all mesh nodes.
 class SnapshotBuilder {
  public:
-  SnapshotBuilder(PenalisedSystem& system, bool reactions)
-      : system_(system), reactions_(reactions), u_(system.bar().mesh().nodes()), v_(u_.size()) {
+  /// Without `interior`, and without reactions, snapshots have the ends alone.
+  SnapshotBuilder(PenalisedSystem& system, bool reactions, bool interior = true)
+      : system_(system), reactions_(reactions), interior_(interior), u_(system.bar().mesh().nodes()), v_(u_.size()) {
     if (system.bar().left_fixed() || system.bar().right_fixed()) a_.resize(u_.size());
   }
 
@@ -21,6 +22,7 @@ class SnapshotBuilder {
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     const std::span<const double> origin = system_.origin();
+    if (!interior_ && !bar.moving()) return ends(t, u, w);
     std::span<const double> nodal_u = u, nodal_v = w;
     if (u.size() != u_.size() || !origin.empty() || bar.moving()) {
       bar.expand_displacement(u, u_);
@@ -54,8 +56,18 @@ class SnapshotBuilder {
   }
 
  private:
+  Snapshot ends(double t, std::span<const double> u, std::span<const double> w) {
+    const BarSystem& bar = system_.bar();
+    for (const bool right : {false, true}) {
+      const std::size_t i = bar.end(right);
+      (right ? u_.back() : u_.front()) = bar.wall(right) ? *bar.wall(right) : u[i] + system_.origin_at(i);
+      (right ? v_.back() : v_.front()) = bar.wall(right) ? 0.0 : w[i];
+    }
+    return {t, u_, v_};
+  }
+
   PenalisedSystem& system_;
-  bool reactions_;
+  bool reactions_, interior_;
   std::vector<double> u_, v_;  // where the unknowns are not the displacements of all nodes
   std::vector<double> a_;      // of all nodes, where an end is fixed
 };

@@ -47,7 +47,9 @@ class StepwisePart {
         schedule_(observers, times, begin),
         search_(system, stepper, layout.size),
         watchdog_(begin, times.back()),
-        snapshot_(system, observers.reactions),
+        ends_alone_(!observers.interior && !observers.reactions && !observers.energy && !sensitivities &&
+                    !system.bar().moving()),
+        snapshot_(system, observers.reactions, !ends_alone_),
         filter_(system.bar()),
         y_(layout.size),
         inner_(layout.size),
@@ -393,7 +395,10 @@ class StepwisePart {
   void outputs_until(double limit, ShiftAt&& shift_at) {
     for (; next_output_ < times_.size() && times_[next_output_] <= limit; ++next_output_) {
       if (!observers_.snapshot) continue;
-      interpolate(times_[next_output_], shift_at(times_[next_output_]));
+      if (ends_alone_)
+        stepper_.interpolate_ends(times_[next_output_], y_);
+      else
+        interpolate(times_[next_output_], shift_at(times_[next_output_]));
       system_.complete_velocity(times_[next_output_], u(), w());
       tell_snapshot(times_[next_output_]);
     }
@@ -544,6 +549,7 @@ class StepwisePart {
   EventSearch search_;
   std::optional<ContactWatch> ends_;
   Watchdog watchdog_;
+  bool ends_alone_;  // snapshots have no other nodes
   SnapshotBuilder snapshot_;
   JumpFilter filter_;
   std::vector<double> y_, inner_;          // the state where the run is, and within a step

@@ -125,6 +125,7 @@ class Run {
 
   // Those of the load at t_{n+1}, u^{n+1} being known.
   void pass_breaks() {
+    if (begun_.empty() && next_break_ == std::numeric_limits<double>::infinity()) return;
     const double t = time(n_ + 1);
     if (begun_.empty() && next_break_ > t + ahead()) return;
     for (const auto& [at, share] : std::exchange(begun_, {})) pass_break(at, share);
@@ -224,6 +225,7 @@ class Run {
 
   // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
   void refuse_jumps(double t) {
+    if (!step_->obstacles_move()) return;
     for (const Contact& contact : step_->contacts()) {
       if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
       const NextBreak& next = breaks_of_gap(system_, contact);

@@ -54,6 +54,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size()}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
+      obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.moves(one); })),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
     solver_.emplace<SpanConstraint>(step_matrix(system, dt_));
@@ -197,6 +198,10 @@ void TimeStep::restored() {
 
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
 void TimeStep::bound_contacts(double t) {
+  if (!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
+    return;
+  }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k];
     const double u = contact.sign * u_[contact.unknown], p = contact.sign * p_[contact.unknown];
@@ -312,11 +317,25 @@ namespace {
 
 }  // namespace
 
+// Without rows: the nodes lie one after the other.
+void TimeStep::advance_in_order() {
+  eliminated_ = false;
+  const double dt = dt_, *interface = interface_.data();
+  double *a = a_.data(), *p = p_.data(), *u = u_.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    a[i] = interface[i];
+    move(dt, interface[i], p[i], u[i]);
+  }
+}
+
 void TimeStep::advance() {
   const std::span<const unsigned char> held = active();
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
   for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = least_velocity(k);
-  if (eliminated_)
+  if (eliminated_ && order_.rows == 0)
+    advance_in_order();
+  else if (eliminated_)
     substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);

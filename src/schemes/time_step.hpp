@@ -63,9 +63,10 @@ class TimeStep {
 
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
+  bool obstacles_move() const { return obstacles_move_; }  ///< whether any of these does
   /// s u + gap(t) of contact k for a displacement of its node.
   double clearance(std::size_t k, double t, double u) const {
-    return contacts_[k].sign * u + system_.gap(contacts_[k], t);
+    return contacts_[k].sign * u + (obstacles_move_ ? system_.gap(contacts_[k], t) : contacts_[k].gap);
   }
   /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
   /// takes at once; one a contact.
@@ -128,6 +129,7 @@ class TimeStep {
   void solve(double lever);
   template <class Use>
   void substitute(Use&& use);
+  void advance_in_order();
   void start_from(const State& start, double begin, Start order);
   void project_start();
   void settle_massless(const Contact& contact, std::size_t next, double begin);
@@ -155,6 +157,7 @@ class TimeStep {
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
   std::vector<double> mean_;
   std::vector<Contact> contacts_;
+  bool obstacles_move_;
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   LaneFields fields_;
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];

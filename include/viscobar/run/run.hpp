@@ -244,6 +244,8 @@ struct Observers {
   /// True if anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
   /// takes a solve.
   bool reactions = true;
+  /// True if anyone reads the nodes of snapshots between the ends. Else a method may leave them as they were.
+  bool interior = true;
   /// Parameters with respect to which derivatives are told, too: by cvode, ida, arkode and rigid. They outlive the run.
   std::span<const Direction> directions{};
   std::optional<Checkpoints> checkpoints;  ///< to go on from

@@ -172,7 +172,7 @@ void Run::go_on(const Checkpoint& checkpoint) {
 }
 
 void Run::watch_ends() {
-  ends_.emplace(penalised_, *statistics_.account, observers_.extremes);
+  ends_.emplace(penalised_, *statistics_.account, true);
   ends_->ask_for(end_entries_);
   sampled_.resize(end_entries_.size());
 }

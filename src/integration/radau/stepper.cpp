@@ -106,6 +106,11 @@ class Stepper final : public LegStepper {
     if (derivatives_) derivatives_->blocks_at((t - begin_t_) / h_, begin_y_, y);
   }
 
+  void interpolate_ends(double t, std::span<double> y) override {
+    if (t == end_t_ || t == begin_t_ || layout_.derivatives > 0) return interpolate(t, y);
+    motion_at(t, y, Nodes::ends);
+  }
+
   std::span<const double> sample(double t, int derivative) override {
     const Formula& formula = Formula::get();
     const double theta = (t - begin_t_) / h_;
@@ -266,8 +271,9 @@ class Stepper final : public LegStepper {
   }
 
   // Displacements of all nodes, or of the first and the last ones only, which the velocities of massless ends depend
-  // on.
-  void motion_at(double t, std::span<double> y, bool displacements = true) {
+  // on; or nothing but these nodes.
+  enum class Nodes { all, velocities, ends };
+  void motion_at(double t, std::span<double> y, Nodes nodes = Nodes::all) {
     const double theta = (t - begin_t_) / h_;
     const Formula& formula = Formula::get();
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
@@ -291,8 +297,8 @@ class Stepper final : public LegStepper {
     // The last ones of the nodes twice, where they are no multiple of the width.
     const auto move_all = [&](auto size) {
       move(0, size, std::true_type());
-      for (std::size_t i = size; i + size < n; i += size)
-        displacements ? move(i, size, std::true_type()) : move(i, size, std::false_type());
+      for (std::size_t i = size; nodes != Nodes::ends && i + size < n; i += size)
+        nodes == Nodes::all ? move(i, size, std::true_type()) : move(i, size, std::false_type());
       move(n - size, size, std::true_type());
     };
     if (n < 8)
@@ -328,7 +334,9 @@ class Stepper final : public LegStepper {
     const auto at = [&](double s) {
       return energy_flow(
           system_, layout_, middle + s * half,
-          [&](double t, std::span<double> inner) { motion_at(t, inner, system_.bar().side()); },
+          [&](double t, std::span<double> inner) {
+            motion_at(t, inner, system_.bar().side() ? Nodes::all : Nodes::velocities);
+          },
           [&](double t) { return accelerations(t); }, inner_);
     };
     const auto at_gauss = [&] {

@@ -19,6 +19,7 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
     Observers observers;
     observers.off_the_clock = false;
     observers.reactions = layout.reactions;
+    observers.interior = layout.fields;
     observers.account = layout.impulses || layout.extremes;
     observers.extremes = layout.extremes;
     observers.snapshot = [&](const Snapshot& at) {

@@ -6,7 +6,8 @@
 
 namespace viscobar::bars {
 
-Layout::Layout(std::vector<EnsembleOutput> told, const Case& run) : outputs(std::move(told)), mesh(run.mesh()) {
+Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
+    : outputs(std::move(told)), mesh(run.mesh()) {
   using Kind = EnsembleOutput::Kind;
   mesh.length = 1.0;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -22,7 +23,7 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run) : outputs(std:
     for (std::size_t k = 0; k < output.times.size(); ++k) looks.push_back({output.times[k], i, k});
     if (output.kind == Kind::final) looks.push_back({run.end, i, 0});
   }
-  for (std::size_t j = 0; j < BarValues::probes; ++j)
+  for (std::size_t j = judged ? 0 : BarValues::probes - 1; j < BarValues::probes; ++j)
     looks.push_back({run.end * static_cast<double>(j + 1) / BarValues::probes, Look::probe, j});
   looks.push_back({0.0, Look::probe, BarValues::probes});  // a run has two times at least
   std::ranges::stable_sort(looks, {}, &Look::time);

@@ -20,7 +20,8 @@ struct Layout {
     std::size_t output, k;  // output: or probe
   };
 
-  Layout(std::vector<EnsembleOutput> told, const Case& run);
+  /// @param judged runs of a bar are compared
+  Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged);
 
   std::vector<EnsembleOutput> outputs;
   std::vector<std::size_t> first;  // where the values of each output begin

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "case/scene_numbers.hpp"
 #include "studies/ensemble/lane_levels.hpp"
 #include "studies/parallel.hpp"
 
@@ -36,7 +38,7 @@ class EnsembleRun {
     const Case& run = first_.run;
     std::vector<EnsembleOutput> outputs;
     for (const std::string& text : study.outputs) outputs.push_back(ensemble_output(text, run));
-    layout_.emplace(std::move(outputs), run);
+    layout_.emplace(std::move(outputs), run, study.error.has_value());
     const bool rigid = study.error && wants_limit(run);
     if (study.lanes && (rigid || run.method == MethodName::fully_discrete))
       members_.emplace(run, first_.mass, study.keys);
@@ -127,8 +129,9 @@ class EnsembleRun {
         *members_, *layout_, shared_, study_.stop,
         [this](std::size_t i, const Told& told) { finish(i, told, BarWay::lanes); },
         [&](std::size_t i) { later.push_back(i); });
+    Case numbers = first_.run;
     for (std::size_t i = begin; i < end; ++i) {
-      if (auto own = members_->by_numbers(values_of(i))) {
+      if (auto own = members_->by_numbers(numbers, values_of(i))) {
         lanes.add(i, *std::move(own));
       } else if (auto setup = sound_setup(i)) {
         if ((own = members_->of(setup->run)))
@@ -141,8 +144,25 @@ class EnsembleRun {
     for (const std::size_t i : later) run_alone(i);
   }
 
+  // The same where the keys are numbers of the case, without the model: to read a scene takes a quarter of a run.
+  // Absent where the model has to say what is wrong, or what method the case takes.
+  std::optional<Setup> setup_by_numbers(std::size_t bar) const {
+    Case run = first_.run;
+    for (std::size_t k = 0; k < study_.keys.size(); ++k) {
+      const std::span<const double> list = study_.values[k];
+      const double value = list.size() == 1 ? list[0] : list[bar], size = std::abs(value);
+      double* number = study_.keys[k] == "bar.length" ? nullptr : number_of(run, study_.keys[k]);
+      if (!number || !(value == 0.0 || (size >= 1e-100 && size <= 1e100))) return std::nullopt;
+      *number = value;
+    }
+    if (run.automatic && !(run.scene.bar.viscosity > 0.0 && first_.run.scene.bar.viscosity > 0.0)) return std::nullopt;
+    Setup setup = resolve(std::move(run));
+    return faults(setup).empty() ? std::optional(std::move(setup)) : std::nullopt;
+  }
+
   // Absent, and told, where the bar's scene cannot be run.
   std::optional<Setup> sound_setup(std::size_t i) {
+    if (auto setup = setup_by_numbers(i)) return setup;
     try {
       Setup setup = setup_of(i);
       const auto found = faults(setup);

@@ -5,32 +5,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "case/scene_numbers.hpp"
 #include "schemes/settled_start.hpp"
 
 namespace viscobar::bars {
 
 namespace {
-
-/// A number of a member by its key; null: it has none of that name.
-double* number_of(Member& member, std::string_view key) {
-  const std::pair<std::string_view, double*> places[] = {
-      {"bar.length", &member.bar.length},
-      {"bar.density", &member.bar.density},
-      {"bar.modulus", &member.bar.modulus},
-      {"bar.viscosity", &member.bar.viscosity},
-      {"left.gap", &member.gap[0]},
-      {"right.gap", &member.gap[1]},
-      {"left.stiffness", &member.stiffness[0]},
-      {"right.stiffness", &member.stiffness[1]},
-      {"left.dashpot", &member.dashpot[0]},
-      {"right.dashpot", &member.dashpot[1]},
-      {"left.mass", &member.mass[0]},
-      {"right.mass", &member.mass[1]},
-      {"contact.restitution", &member.restitution},
-  };
-  const auto* place = std::ranges::find(places, key, &std::pair<std::string_view, double*>::first);
-  return place == std::end(places) ? nullptr : place->second;
-}
 
 bool is_constant(std::span<const double> values) {
   const auto [least, most] = std::ranges::minmax_element(values);
@@ -39,6 +19,16 @@ bool is_constant(std::span<const double> values) {
 
 const EndCondition& end_of(const Scene& scene, bool right) { return right ? scene.right : scene.left; }
 const EndInput& input_of(const Scene& scene, bool right) { return right ? scene.right_input : scene.left_input; }
+
+void take_numbers(const Case& run, Member& member) {
+  member.bar = run.scene.bar;
+  member.restitution = run.restitution.value_or(0.0);
+  for (const bool right : {false, true}) {
+    if (const auto* obstacle = std::get_if<Obstacle>(&end_of(run.scene, right))) member.gap[right] = obstacle->gap;
+    const EndInput& input = input_of(run.scene, right);
+    member.stiffness[right] = input.stiffness, member.dashpot[right] = input.dashpot, member.mass[right] = input.mass;
+  }
+}
 
 /// M f of a profile, and which entries forces on the ends have.
 std::vector<double> weights_of(const Case& run, Mass mass, const SpaceFunction& profile, const Places& places) {
@@ -132,9 +122,10 @@ Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
   resting_shape_ = is_constant(data.u) && is_constant(data.v);
   by_numbers_ = true;
   bool shape = false;
+  Case numbers = first;
   for (const std::string& key : keys_) {
     shape |= key == "bar.length";
-    by_numbers_ &= number_of(first_.member, key) || key == "initial.velocity" || key == "initial.displacement";
+    by_numbers_ &= number_of(numbers, key) || key == "initial.velocity" || key == "initial.displacement";
   }
   // Data, loads and held ends depend on places.
   const bool held = is_fixed(first.scene.left) || is_fixed(first.scene.right);
@@ -148,13 +139,13 @@ Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
     if (key.starts_with("initial.")) by_numbers_ &= !held;
 }
 
-std::optional<OwnMember> Members::by_numbers(std::span<const double> values) const {
+std::optional<OwnMember> Members::by_numbers(Case& numbers, std::span<const double> values) const {
   if (!by_numbers_) return std::nullopt;
   OwnMember one;
   one.member = first_.member;
   one.member.start = one.member.data;  // see below
   for (std::size_t k = 0; k < keys_.size(); ++k) {
-    if (double* number = number_of(one.member, keys_[k])) {
+    if (double* number = number_of(numbers, keys_[k])) {
       *number = values[k];
       continue;
     }
@@ -165,6 +156,7 @@ std::optional<OwnMember> Members::by_numbers(std::span<const double> values) con
     std::vector<double>& data = velocity ? one.data->v : one.data->u;
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = values[k] * unit[i];
   }
+  take_numbers(numbers, one.member);
   const Member& m = one.member;
   const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
   const auto not_negative = [](double value) { return std::isfinite(value) && value >= 0.0; };
@@ -199,12 +191,8 @@ std::optional<OwnMember> Members::of(const Case& run) const {
   const BarSystem system(scene, run.mesh(), mass_);
   OwnMember one;
   Member& m = one.member;
-  m.bar = scene.bar;
-  m.restitution = run.restitution.value_or(0.0);
+  take_numbers(run, m);
   for (const bool right : {false, true}) {
-    if (const auto* obstacle = std::get_if<Obstacle>(&end_of(scene, right))) m.gap[right] = obstacle->gap;
-    const EndInput& input = input_of(scene, right);
-    m.stiffness[right] = input.stiffness, m.dashpot[right] = input.dashpot, m.mass[right] = input.mass;
     m.wall[right] = system.wall(right).value_or(0.0);
     if ((m.stiffness[right] > 0.0 || m.dashpot[right] > 0.0 || m.mass[right] > 0.0) && !pattern_->mounted[right])
       return std::nullopt;

@@ -28,8 +28,9 @@ class Members {
 
   /// Null where no bar of this scene can be in lanes.
   const Pattern* pattern() const { return pattern_ ? &*pattern_ : nullptr; }
-  /// The bar with these values by its numbers alone; absent where the model has to make its case.
-  std::optional<OwnMember> by_numbers(std::span<const double> values) const;
+  /// The bar with these values by its numbers alone; absent where the model has to make its case. `numbers` is a copy
+  /// of the first case, in which they are set.
+  std::optional<OwnMember> by_numbers(Case& numbers, std::span<const double> values) const;
   /// The bar of a sound case; absent where it does not fit into lanes with the others.
   std::optional<OwnMember> of(const Case& run) const;
 
