@@ -213,7 +213,7 @@ struct Table {
     const auto found = entries.find(std::string(name));
     return found == entries.end() ? nullptr : &found->second;
   }
-  /// Of the kind wanted; null where there is none. @throws std::invalid_argument where it is another
+  /// The value, if of the kind wanted; null where there is none. @throws std::invalid_argument where it is another
   template <class Value>
   const Value* get(std::string_view name, std::string_view kind) const {
     const auto* found = find(name);
@@ -232,7 +232,7 @@ struct Table {
   }
 };
 
-// What the numbers of a column are multiplied by to be those of the scene.
+// Factor from the numbers of a column to those of the scene.
 double ratio(const TraceFile::Column& column, const std::string& name, const std::string& unit) {
   if (column.unit.empty() || unit.empty()) return 1.0;
   const auto ratio = unit_ratio(column.unit, unit);

@@ -15,8 +15,8 @@
 namespace viscobar {
 
 enum class Interpolation { linear, cubic };
-/// What a series is before its first and behind its last value: what it is beside them (of a run, a scheme looks a step
-/// ahead), that value, or 0.
+/// A series before its first and behind its last value: its own continuation (of a run, a scheme looks a step ahead),
+/// that value, or 0.
 enum class Outside { goes_on, hold, zero };
 
 /// A function of time, or of x, through measured values: lines between them, or a cubic spline, whose slopes at both
@@ -38,7 +38,7 @@ class Series {
   std::optional<double> next_break(double after, double until, bool kinks = false) const;
 
   double first() const { return places_.front(); }  ///< place
-  double last() const { return places_.back(); }    ///< likewise
+  double last() const { return places_.back(); }    ///< place
   bool smooth() const { return interpolation_ == Interpolation::cubic; }
   std::uint64_t checksum() const;  ///< of places and values
 
@@ -55,7 +55,7 @@ class Series {
   Outside outside_;
 };
 
-/// What a scene says of a series, { file = "record.csv", column = "F" } or { t = [...], values = [...] }:
+/// Series as a scene gives it, { file = "record.csv", column = "F" } or { t = [...], values = [...] }:
 ///
 ///     file           a table of measured values, see TraceFile; from the folder of the scene
 ///     column         name of the values
@@ -67,7 +67,7 @@ class Series {
 ///     checksum       of a file that has been read, as a result tells it
 struct SeriesRequest {
   char variable = 't';           ///< or 'x'
-  bool jumps = true;             ///< whether it may
+  bool jumps = true;             ///< allowed
   std::string unit, place_unit;  ///< that the scene names for them; empty: none
   std::filesystem::path folder;
 };

@@ -72,7 +72,7 @@ class ContactDistance {
 
   /// True if a stop lets go.
   bool lets_go() const { return !lags_.empty(); }
-  /// What decides on a change of contact c in place of d: d + (c/k) d', and to what digit that is known.
+  /// Indicator of a change of contact c in place of d: d + (c/k) d', with its rounding error.
   struct Push {
     Eigen::VectorXd along;
     double band;

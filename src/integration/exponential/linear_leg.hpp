@@ -51,7 +51,7 @@ class LinearLeg {
   /// u and u' of all unknowns at s = sigma tau.
   static Vector displacement(const Series& series, Real sigma);
   static Vector velocity(const Series& series, Real sigma, Real tau);
-  static Vector acceleration(const Series& series, Real sigma, Real tau);  ///< likewise
+  static Vector acceleration(const Series& series, Real sigma, Real tau);
 
   Vector pack(const Vector& u, const Vector& v) const;
 

@@ -355,7 +355,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
   }
   const double before = energy_of_followers();
   for (const std::size_t c : changing) {
-    if (pushes[c] && statistics_.energy) {  // what the spring stores goes as it lets go
+    if (pushes[c] && statistics_.energy) {  // the energy of the spring goes as it lets go
       const double out = penalised_.closed(c) ? 1.0 : -1.0;
       add({.dissipated = out * penalised_.stop(c)->energy(out * value(distances[c], sigma))});
     }

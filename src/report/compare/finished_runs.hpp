@@ -13,7 +13,7 @@ namespace viscobar {
 struct FinishedRuns {
   SceneFile scene;                   ///< of the first
   std::vector<MethodRun> runs;       ///< named by their directories
-  std::vector<std::string> remarks;  ///< what was interpolated, and where scenes differ
+  std::vector<std::string> remarks;  ///< on values that were interpolated, and scenes that differ
 };
 
 /// Reads them. Fields and traces of the others are taken at the output times that the first has while all go on, and at

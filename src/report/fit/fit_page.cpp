@@ -17,7 +17,7 @@ namespace viscobar {
 
 namespace {
 
-// What is not a number becomes null.
+// NaN and infinities become null.
 Json matrix(const std::vector<double>& entries, std::size_t n) {
   Json rows = Json::array();
   for (std::size_t i = 0; i < n; ++i)

@@ -159,7 +159,7 @@ PreparedFit prepared_fit(const FitRequest& request,
     for (MeasuredTrace& trace : study.traces)
       if (column == name(trace.column, trace.place)) trace.deviation = deviation, trace.assumed = false;
   }
-  // What is chosen for the scene stays while its values move.
+  // Choices made for the scene stay while its values move.
   if (const SceneValue* epsilon = value_of(scene.chosen, "contact.epsilon"))
     kept.emplace_back(std::pair("contact.epsilon", *epsilon));
   kept.emplace_back(std::pair("method.name", std::string(name(scene.run.method))));

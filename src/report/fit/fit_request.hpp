@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// What somebody asks `fit` for, as text.
+/// Request to `fit`, as text.
 struct FitRequest {
   std::string data, events;             ///< files of the form of ends.csv and events.csv; empty: none
   std::vector<std::string> parameters;  ///< keys
