@@ -111,7 +111,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
   const std::size_t order = values.size() - 1;
   const std::span<const double> pushes(push_samples_.data() + i * (order + 1), order + 1);
   const auto [weakest, strongest] = std::ranges::minmax(pushes, {}, [](double value) { return std::abs(value); });
-  // Of the condition's parts: a velocity is known to the rounding of the largest.
+  // Rounding of the condition's parts: a velocity is known to that of the largest.
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() *
                           (std::max(std::abs(weakest), std::abs(strongest)) + std::abs(*pushes_[i]->offset) +
                            std::abs(pushes_[i]->values[2]) * stepper_.weights().largest_velocity());
