@@ -56,6 +56,14 @@ std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Sta
     if (const double taken = energy.dissipated - energy.end_inertia; !scheme && taken < -sound)
       all.push_back({fmt::format("energy grew without a cause: the dissipated energy is {:.2g}", taken),
                      taken < -0.01 * largest});
+    // Nothing gives energy to a bar that nothing works on, whatever is lost again; beside that size all the above is
+    // small.
+    const bool rebounds = scheme && run.restitution.value_or(0.0) > 0.0;
+    if (energy.work == 0.0 && !system.moving() && !rebounds && energy.largest > 4.0 * energy.initial &&
+        energy.largest > promised_balance(run, system, energy.initial, static_cast<double>(statistics.steps)))
+      all.push_back({fmt::format("energy grew without a cause: from {:.2g} at the start to {:.2g} on the way",
+                                 energy.initial, energy.largest),
+                     true});
     if (energy.work == 0.0 && is_penalised(run.method) && !system.contacts().empty() && !has_stops(run.scene)) {
       const double softest = std::ranges::min(system.contacts(), {}, &Contact::weight).weight / setup.epsilon;
       const double deepest = std::sqrt(2.0 * (energy.initial + std::abs(energy.end_inertia) + sound) / softest);

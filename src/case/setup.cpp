@@ -7,6 +7,7 @@
 
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
+#include "discretisation/gauss.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -43,8 +44,11 @@ bool fourth_order_fits(const Case& run) {
   if (run.rows_alike()) return true;
   const Mesh mesh = run.mesh();
   const auto stretch = [&](std::size_t j) {
-    const double size = mesh.element(j);
-    return run.scene.section ? size / run.scene.section(mesh.node(j) + 0.5 * size) : size;
+    const double half = 0.5 * mesh.element(j), middle = mesh.node(j) + half;
+    if (!run.scene.section) return 2.0 * half;
+    double sum = 0.0;
+    for (const auto [node, weight] : gauss(10)) sum += half * weight / run.scene.section(middle + half * node);
+    return sum;
   };
   double before = stretch(0);
   for (std::size_t j = 1; j < mesh.elements; ++j) {

@@ -59,7 +59,8 @@ JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
   const double h = bar.mesh().spacing(), impedance = std::sqrt(material.density * material.modulus);
   const double viscous = material.viscosity / (h * impedance);
   const auto spans = [](const Contact& contact) { return contact.where == Where::span; };
-  if (bar.mass() != Mass::fourth_order || bar.mesh().elements < fewest_elements ||
+  // Its polynomials are for the spectrum of rows that are all alike.
+  if (bar.mass() != Mass::fourth_order || !bar.rows_alike() || bar.mesh().elements < fewest_elements ||
       std::ranges::any_of(bar.contacts(), spans))
     return;
   // Springs along the bar that the mesh does not resolve give its long waves the frequencies of short ones.

@@ -209,16 +209,17 @@ void check_load_keys(SceneEntries& entries) {
 void check_nodes(SceneEntries& entries) {
   if (!entries.present("mesh.nodes") || entries.faulty("mesh.nodes")) return;
   const std::vector<double> nodes = entries.numbers("mesh.nodes");
-  const auto fall = std::ranges::adjacent_find(nodes, std::greater_equal{});
+  const double length = entries.number("bar.length").value_or(0.0), closest = 1e-6 * length;
+  const auto fall =
+      std::ranges::adjacent_find(nodes, [closest](double a, double b) { return b <= a || b - a < closest; });
   if (nodes.size() < 2)
     entries.report("mesh.nodes", "needs both ends of the bar at least, 0 and bar.length");
   else if (fall != nodes.end())
-    entries.report("mesh.nodes", "must rise, and {} follows {}", fall[1], fall[0]);
-  else if (const auto length = entries.number("bar.length");
-           length && (nodes.front() != 0.0 || nodes.back() != *length))
-    entries.report("mesh.nodes", "must go from 0 to bar.length = {}, and go from {} to {}", *length, nodes.front(),
+    entries.report("mesh.nodes", "must rise by 1e-6 of bar.length at least, and {} follows {}", fall[1], fall[0]);
+  else if (length > 0.0 && (nodes.front() != 0.0 || nodes.back() != length))
+    entries.report("mesh.nodes", "must go from 0 to bar.length = {}, and go from {} to {}", length, nodes.front(),
                    nodes.back());
-  if (entries.given("mesh.grading"))
+  if (entries.number("mesh.grading").value_or(1.0) != 1.0)
     entries.report("mesh.grading", "does not go with mesh.nodes, which say where elements are small");
 }
 

@@ -44,7 +44,7 @@ TEST(SectionInput, SaysWhatIsWrongWithNodes) {
         << complaint(scene_text("viscosity = 0.1", mesh));
   };
   says("nodes = [0.0]", "mesh.nodes: needs both ends of the bar");
-  says("nodes = [0.0, 0.5, 0.5, 2.0]", "mesh.nodes: must rise, and 0.5 follows 0.5");
+  says("nodes = [0.0, 0.5, 0.5, 2.0]", "mesh.nodes: must rise by 1e-6 of bar.length at least, and 0.5 follows 0.5");
   says("nodes = [0.0, 0.5, 1.0]", "mesh.nodes: must go from 0 to bar.length = 2, and go from 0 to 1");
   says("nodes = [0.0, 0.5, 2.0]\ngrading = 2.0", "mesh.grading: does not go with mesh.nodes");
   says("nodes = [0.0, 0.1, 0.9, 2.0]\nmass = \"fourth_order\"", "takes elements of at most 3 times their neighbours");

@@ -174,6 +174,18 @@ void take_impulses(Recording& recording, const std::vector<ContactPeriod>& perio
   }
 }
 
+// Accounts of a run that goes on are those of its end.
+void forget_the_rest(Recording& recording) {
+  recording.statistics.energy.reset();
+  recording.statistics.account.reset();
+  for (const Where where : {Where::left, Where::right}) {
+    const auto last = std::ranges::find(recording.events.rbegin(), recording.events.rend(), where, &Event::where);
+    if (last == recording.events.rend() || last->change == Change::opening) continue;
+    for (Event& event : recording.events)
+      if (event.where == where) event.impulse.reset();
+  }
+}
+
 }  // namespace
 
 FinishedRuns finished_runs(std::span<const std::string> directories) {
@@ -203,6 +215,8 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     Recording& recording = *finished.runs[k].recording;
     const bool ends_only = recording.mesh.elements == 1 || first.mesh.elements == 1;
     const bool whole = recording.times.back() == times.back();
+    const double merge = 0.01 * (times.back() - times.front());
+    take_impulses(recording, contact_periods(recording, merge), contacts[k]);
     if (recording.times != times) {
       if (k > 0 || times.back() != recording.times.back())
         finished.remarks.push_back(
@@ -220,8 +234,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     if (const std::string tables = k > 0 ? differing(scenes[0], scenes[k]) : ""; !tables.empty())
       finished.remarks.push_back(
           fmt::format("The scenes of {} and {} differ in {}", directories[0], directories[k], tables));
-    const double merge = 0.01 * (times.back() - times.front());
-    if (whole) take_impulses(recording, contact_periods(recording, merge), contacts[k]);
+    if (!whole) forget_the_rest(recording);
     finished.runs[k].contacts = contact_periods(recording, merge);
   }
   finished.scene = std::move(scenes.front());
