@@ -59,7 +59,8 @@ std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Sta
     // Nothing gives energy to a bar that nothing works on, whatever is lost again; beside that size all the above is
     // small.
     const bool rebounds = scheme && run.restitution.value_or(0.0) > 0.0;
-    if (energy.work == 0.0 && !system.moving() && !rebounds && energy.largest > 4.0 * energy.initial &&
+    const bool moved = run.scene.left_input.motion || run.scene.right_input.motion;
+    if (energy.work == 0.0 && !moved && !rebounds && energy.largest > 4.0 * energy.initial &&
         energy.largest > promised_balance(run, system, energy.initial, static_cast<double>(statistics.steps)))
       all.push_back({fmt::format("energy grew without a cause: from {:.2g} at the start to {:.2g} on the way",
                                  energy.initial, energy.largest),

@@ -44,7 +44,7 @@ constexpr struct {
     {"list", "List the methods, the masses and the keys of a scene file", list_command},
     {"new", "Write a commented scene to start from", new_command},
     {"info", "List the contents of a directory of results, or of one summary", info_command},
-    {"export", "Write the field and the end traces of a run as CSV, NumPy arrays or XDMF", export_command},
+    {"export", "Write the field and the end traces of a run as CSV or XDMF", export_command},
     {"completion", "Print the completions for a shell", completion_command},
     {"man", "Print the man page", man_command},
     {"help", "Print the help of a command", help_command},
