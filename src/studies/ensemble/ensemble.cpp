@@ -144,7 +144,7 @@ class EnsembleRun {
     for (const std::size_t i : later) run_alone(i);
   }
 
-  // The same where the keys are numbers of the case, without the model: to read a scene takes a quarter of a run.
+  // The same where the keys are numbers of the case, without the model: to read a scene takes a fifth of a run.
   // Absent where the model has to say what is wrong, or what method the case takes.
   std::optional<Setup> setup_by_numbers(std::size_t bar) const {
     Case run = first_.run;
