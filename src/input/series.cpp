@@ -161,7 +161,7 @@ void Series::find_breaks() {
   for (std::size_t k = 1; smooth() && k + 1 < n; ++k)
     if (bends(k)) breaks_.push_back(places_[k]);
   std::ranges::sort(breaks_);
-  breaks_.erase(std::ranges::unique(breaks_).begin(), breaks_.end());
+  breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
   std::vector<double> both;
   std::ranges::set_union(kinks_, breaks_, std::back_inserter(both));
   breaks_ = std::move(both);
