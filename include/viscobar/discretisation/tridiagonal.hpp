@@ -57,7 +57,7 @@ struct SymmetricTridiagonal {
   double diagonal_entry(std::size_t i) const;
   /// A(i,i+1) and A(i+1,i), without the end rows.
   double above(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] + skew[i]; }
-  double below(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i]; }
+  double below(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i]; }  ///< below
   /// Makes A(i,i+1) and A(i+1,i) zero, but for end rows.
   void uncouple(std::size_t i) {
     off_diagonal[i] = 0.0;
