@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 BY_HAND = [  # scene, request, elements, relative tolerance; no elements: characteristics
-    ("rebound", 1e-3, 8, 1e-2), ("rebound", 1e-6, 64, 1e-5), ("rebound", 1e-9, 512, 1e-7),
+    ("rebound", 1e-3, 8, 1e-2), ("rebound", 1e-6, 64, 1e-5), ("rebound", 1e-8, 512, 1e-6),
     ("unit-both-ends", 1e-3, 8, 1e-3), ("unit-both-ends", 1e-6, 32, 1e-4), ("unit-both-ends", 1e-9, 128, 1e-7),
     ("unit-left-end-loaded", 1e-3, 8, 1e-3), ("unit-left-end-loaded", 1e-6, 32, 1e-4),
     ("unit-left-end-loaded", 1e-9, 256, 1e-5),
