@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -271,7 +272,7 @@ TEST(SectionContact, OfAConeIsThatOfTheBarThatItIsTransformedInto) {
 }
 
 // Rows that are not alike have no filter of high modes, whose polynomials are for the spectrum of those that are.
-TEST(SectionContact, OnUnequalElementsIsThatOfOtherMassesAndNeverGrows) {
+TEST(SectionContact, OnUnequalElementsNeverGrowsAndIsNearerToAFineMeshThanConsistent) {
   const auto run = [](const std::string& mesh, const std::string& mass, const std::string& method) {
     return record(parse_scene(fmt::format("[bar]\nlength = 1.0\nviscosity = 0.01\n[left]\nkind = \"obstacle\"\ngap = "
                                           "0.1\n[initial]\nvelocity = \"-x\"\n[time]\nend = 10.0\n[mesh]\n{}\nmass = "
@@ -283,16 +284,17 @@ TEST(SectionContact, OnUnequalElementsIsThatOfOtherMassesAndNeverGrows) {
   for (const char* mesh : {"elements = 20\ngrading = 2.0", "elements = 40\ngrading = 16.0",
                            "nodes = [0.0, 0.2, 0.5, 0.75, 0.9, 1.0]\nelements = 24"})
     for (const char* method : {"rigid", "fully_discrete", "cvode", "exponential"}) {
-      const Recording here = run(mesh, "fourth_order", method), other = run(mesh, "consistent", method);
-      // After a flight of length 3 the consistent mass is off by some h^2.
-      EXPECT_NEAR(here.displacement(here.times.size() - 1).back(), other.displacement(other.times.size() - 1).back(),
-                  0.1)
-          << mesh << method;
+      const auto end = [](const Recording& of) { return of.displacement(of.times.size() - 1).back(); };
+      const Recording here = run(mesh, "fourth_order", method);
+      // On 120, 140 and 124 elements.
+      const double truth =
+          end(run(std::regex_replace(mesh, std::regex("elements = "), "elements = 1"), "fourth_order", method));
+      EXPECT_LT(std::abs(end(here) - truth), std::abs(end(run(mesh, "consistent", method)) - truth)) << mesh << method;
       EXPECT_LT(here.statistics.energy->largest, 1.05 * here.statistics.energy->initial) << mesh << method;
     }
 }
 
-// The transformed bar on as many elements differs by O(h^4): methods agree with it to that.
+// The transformed bar on as many elements differs by O(h^4), to 50 h^4 with derivatives of these data.
 TEST(SectionContact, OfAConeIsTheSameInEveryMethod) {
   const std::string tolerance = "relative_tolerance = 1e-8\n";
   const std::string stiff = tolerance + "[contact]\nepsilon = 1e-4\n";
@@ -301,14 +303,14 @@ TEST(SectionContact, OfAConeIsTheSameInEveryMethod) {
     const Recording same = record(parse_scene(cone(40, method, stiff, true), "").run);
     ASSERT_EQ(run.events.size(), same.events.size()) << method;
     for (std::size_t k = 0; k < run.times.size(); ++k)
-      EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 2e-5) << method;
+      EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 50.0 / std::pow(40.0, 4)) << method;
     const EnergyAccount& energy = *run.statistics.energy;
     EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-7) << method;
   }
   const Recording run = record(parse_scene(cone(40, "fully_discrete", "step = 1e-4\n", false), "").run);
   const Recording same = record(parse_scene(cone(40, "fully_discrete", "step = 1e-4\n", true), "").run);
   for (std::size_t k = 0; k < run.times.size(); ++k)
-    EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 2e-5);
+    EXPECT_NEAR(run.displacement(k).back(), same.displacement(k).back(), 50.0 / std::pow(40.0, 4));
   const EnergyAccount& energy = *run.statistics.energy;
   EXPECT_NEAR(energy.final, energy.initial + energy.work - energy.dissipated, 1e-12);
 }
