@@ -41,7 +41,7 @@ install(FILES ${PROJECT_BINARY_DIR}/viscobarConfig.cmake ${PROJECT_BINARY_DIR}/v
 set(pkgconfig_requires "")
 set(pkgconfig_libraries "-lviscobar")
 if(viscobar_type STREQUAL "STATIC_LIBRARY")
-  set(pkgconfig_requires "fmt, zlib")
+  set(pkgconfig_requires "fmt, zlib, liblzma")
   foreach(component ${sundials_components})
     string(APPEND pkgconfig_libraries " -lsundials_${component}")
   endforeach()

@@ -31,7 +31,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME viscobar)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libviscobar-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libsundials-dev, libhdf5-dev, libfmt-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libsundials-dev, libhdf5-dev, libfmt-dev, zlib1g-dev, liblzma-dev")
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "The static library, its headers, and what CMake and pkg-config need to find it.")
 if(TARGET viscobar_python) # for one version of Python; the program works without it
   execute_process(COMMAND ${VISCOBAR_PYTHON_EXECUTABLE} -c "import sys; a, b = sys.version_info[:2]; print(f'python3 (>= {a}.{b}), python3 (<< {a}.{b + 1}), python3-numpy')"

@@ -1,12 +1,10 @@
 #include "results/checksum.hpp"
 
 #include <fmt/format.h>
+#include <lzma.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <system_error>
 #include <vector>
@@ -37,56 +35,11 @@ constexpr Polynomial behind_zeros(Polynomial state, std::uint64_t count) {
   return state;
 }
 
-// tables[k][b] is what byte b becomes by k + 1 bytes: eight are taken in at a time.
-constexpr auto tables = [] {
-  std::array<std::array<Polynomial, 256>, 8> made{};
-  for (std::size_t b = 0; b < 256; ++b) {
-    Polynomial state = b;
-    for (std::array<Polynomial, 256>& table : made) {
-      for (int bit = 0; bit < 8; ++bit) state = times_x(state);
-      table[b] = state;
-    }
-  }
-  return made;
-}();
-
-Polynomial behind_eight(Polynomial state, const char* bytes) {
-  static_assert(std::endian::native == std::endian::little);
-  std::uint64_t next = 0;
-  std::memcpy(&next, bytes, sizeof next);
-  next ^= state;
-  state = 0;
-  for (std::size_t k = 0; k < 8; ++k) state ^= tables[7 - k][next >> 8 * k & 0xFF];
-  return state;
-}
-
-// Four stretches side by side, none of which waits for another: twice as fast as one.
-constexpr std::size_t stretch = 8192;
-constexpr Polynomial over_stretch = behind_zeros(one, stretch);
-
-Polynomial behind_stretches(Polynomial state, const char* bytes) {
-  std::array<Polynomial, 4> states = {state, 0, 0, 0};
-  for (std::size_t i = 0; i < stretch; i += 8)
-    for (std::size_t s = 0; s < 4; ++s) states[s] = behind_eight(states[s], bytes + s * stretch + i);
-  Polynomial joined = states[0];
-  for (std::size_t s = 1; s < 4; ++s) joined = product(joined, over_stretch) ^ states[s];
-  return joined;
-}
-
-Polynomial behind(Polynomial state, std::string_view bytes) {
-  const char* at = bytes.data();
-  const char* const end = at + bytes.size();
-  for (; end - at >= static_cast<std::ptrdiff_t>(4 * stretch); at += 4 * stretch) state = behind_stretches(state, at);
-  for (; end - at >= 8; at += 8) state = behind_eight(state, at);
-  for (; at != end; ++at) state = tables[0][(state ^ static_cast<unsigned char>(*at)) & 0xFF] ^ state >> 8;
-  return state;
-}
-
 }  // namespace
 
 void Checksum::add(std::string_view next) {
   bytes += next.size();
-  crc64 = ~behind(~crc64, next);
+  crc64 = lzma_crc64(reinterpret_cast<const std::uint8_t*>(next.data()), next.size(), crc64);
 }
 
 void Checksum::append(const Checksum& next) {

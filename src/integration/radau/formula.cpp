@@ -103,14 +103,21 @@ Polynomial lagrange(const std::array<double, stages>& nodes, std::size_t m) {
 // Coefficients of T_m(2 theta - 1) of a polynomial in theta. Sums of powers would cancel.
 std::array<Number, stages + 1> in_chebyshev(const std::array<Number, stages + 1>& powers) {
   constexpr std::size_t points = stages + 1;
+  static const std::array<Real, points> zeros = [] {  // of T_{s+1}
+    std::array<Real, points> x;
+    for (std::size_t i = 0; i < points; ++i)
+      x[i] = std::cos(std::numbers::pi_v<Real> * (static_cast<Real>(i) + Real(0.5)) / points);
+    return x;
+  }();
   std::array<Number, points> result{};
-  for (std::size_t i = 0; i < points; ++i) {
-    const Real angle = std::numbers::pi_v<Real> * (static_cast<Real>(i) + Real(0.5)) / points;
-    const Real theta = (1 + std::cos(angle)) / 2;
+  for (const Real x : zeros) {
+    const Real theta = (1 + x) / 2;
     Number value = 0;
     for (std::size_t m = points; m-- > 0;) value = value * theta + powers[m];
-    for (std::size_t m = 0; m < points; ++m)
-      result[m] += Real(m == 0 ? 1 : 2) / points * std::cos(static_cast<Real>(m) * angle) * value;
+    value *= Real(1) / points;
+    Real now = 1, before = x;  // T_m(x) and T_{m-1}(x) = T_{1-m}(x)
+    for (std::size_t m = 0; m < points; ++m, before = std::exchange(now, 2 * x * now - before))
+      result[m] += (m == 0 ? now : 2 * now) * value;
   }
   return result;
 }
@@ -131,8 +138,8 @@ Formula::Formula() : nodes(radau_nodes()), weights_{}, rates_{} {
   for (int k = 0; k <= 100; ++k) {
     const Real theta = Real(k) / 100;
     Real c = 0;
-    for (std::size_t j = 0; j <= stages; ++j)
-      c += q[j] * std::pow(theta, Real(stages + 1 - j)) / factorial(stages + 1 - j);
+    for (std::size_t j = 0; j <= stages; ++j) c = c * theta + q[j] / factorial(stages + 1 - j);
+    c *= theta;
     next_term = std::max(next_term, std::abs(c));
   }
   std::array<Polynomial, stages> bases;

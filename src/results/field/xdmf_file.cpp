@@ -1,5 +1,6 @@
 #include "results/field/xdmf_file.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <utility>
@@ -17,7 +18,8 @@ constexpr std::string_view head =
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
 std::string grid_head(std::size_t row, double time, std::size_t nodes) {
-  const std::string text = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n", row, time);
+  const std::string text =
+      fmt::format(FMT_COMPILE("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n"), row, time);
   // The second and third child of the first grid: the mesh, which does not change.
   if (row > 0)
     return text + "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
@@ -32,8 +34,9 @@ std::string grid_head(std::size_t row, double time, std::size_t nodes) {
 
 std::string attribute(std::string_view name, std::size_t values, std::string_view place) {
   return fmt::format(
-      "<Attribute Name=\"{}\" Center=\"{}\"><DataItem Dimensions=\"{}\" Format=\"HDF\" NumberType=\"Float\" "
-      "Precision=\"8\">field.h5:/{}</DataItem></Attribute>\n",
+      FMT_COMPILE(
+          "<Attribute Name=\"{}\" Center=\"{}\"><DataItem Dimensions=\"{}\" Format=\"HDF\" NumberType=\"Float\" "
+          "Precision=\"8\">field.h5:/{}</DataItem></Attribute>\n"),
       name == "u"   ? "displacement"
       : name == "v" ? "velocity"
                     : name,
@@ -110,7 +113,8 @@ std::string XdmfFile::grid(std::size_t row, double time) const {
     const std::size_t values = name == std::string_view("stress") ? nodes_ - 1 : nodes_;
     // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
     // as this row.
-    text += attribute(name, values, fmt::format("{0}|{1} 0:1 1:1 {2}:{3} {2}", name, row, values, row + 1));
+    text +=
+        attribute(name, values, fmt::format(FMT_COMPILE("{0}|{1} 0:1 1:1 {2}:{3} {2}"), name, row, values, row + 1));
   }
   return text + "</Grid>\n";
 }
