@@ -70,7 +70,10 @@ std::string text_of(const Cell& cell, Number&& number) {
 template <class Row>
 Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, NumberText number, std::size_t words) {
   std::erase_if(columns, [&](const Column<Row>& column) {
-    const auto absent = [&](const Row& row) { return std::holds_alternative<std::monostate>(column.value(row)); };
+    const auto absent = [&](const Row& row) {
+      return column.people ? column.people(row, number).empty()
+                           : std::holds_alternative<std::monostate>(column.value(row));
+    };
     return column.optional && std::ranges::all_of(rows, absent);
   });
   Table table{{}, words, {}};

@@ -61,7 +61,7 @@ const std::vector<Column<ComparedRun>>& compare_columns() {
       {"method", "method", [](const Row& row) { return cell(row.run->label); }},
       {"mass", "mass", [](const Row& row) { return cell(name(row.run->setup.mass)); }},
       {"settings", "settings", [](const Row&) { return Cell(); },
-       [](const Row& row, NumberText number) { return settings(*row.run, number); }},
+       [](const Row& row, NumberText number) { return settings(*row.run, number); }, true},
       of_setup("step", is_scheme, [](const Setup& of) { return of.step; }),
       of_setup("relative_tolerance", is_adaptive, [](const Setup& of) { return of.run.tolerance.relative; }),
       of_setup("epsilon", is_penalised,

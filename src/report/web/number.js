@@ -26,13 +26,13 @@ function linearLabels(values, step) {
   return values.map((value) => withTrueMinus((Math.abs(value) < 1e-9 * step ? 0 : value).toFixed(decimals)));
 }
 
-/// Decades, and their multiples where there is room.
-function decadeTicks(low, high) {
+/// Decades, and their multiples where at most `most` decades leave room.
+function decadeTicks(low, high, most) {
   const first = Math.floor(Math.log10(low) - 1e-9), last = Math.ceil(Math.log10(high) + 1e-9);
   const ticks = [];
   for (let decade = first; decade <= last; ++decade)
     for (let multiple = 1; multiple < 10; ++multiple)
-      if (multiple === 1 || last - first <= 12) ticks.push(multiple * 10 ** decade);
+      if (multiple === 1 || last - first <= most) ticks.push(multiple * 10 ** decade);
   return ticks.filter((tick) => tick >= low * (1 - 1e-9) && tick <= high * (1 + 1e-9));
 }
 

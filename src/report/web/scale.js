@@ -17,7 +17,7 @@ class Scale {
   /// Pairs of place and label, labels at least `space` apart; a minor tick has none.
   ticks(space) {
     const { low, high } = this, most = Math.max(2, Math.floor(Math.abs(this.to - this.from) / space));
-    const values = this.log ? decadeTicks(low, high) : [], step = tickSteps.find((size) => size * most >= high - low);
+    const values = this.log ? decadeTicks(low, high, most) : [], step = tickSteps.find((size) => size * most >= high - low);
     if (!this.log) for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) values.push(k * step);
     const labels = this.log ? decadeLabels(values, low, high, most) : linearLabels(values, step);
     return values.map((value, i) => [this.at(value), labels[i]]);
