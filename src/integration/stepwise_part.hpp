@@ -477,9 +477,9 @@ class StepwisePart {
   }
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
-  // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is an error of the mesh and
-  // no contact. Where a mass of the scene strikes, or an obstacle moves in by more than half of that velocity and turns
-  // back, it is one.
+  // told. One that neither rests nor rebounds, because the bar pulls its node away at once, is an error of the mesh: it
+  // is no contact, unless the wave that it sends brings the node back (see tell_closing()). Where a mass of the scene
+  // strikes, or an obstacle moves in by more than half of that velocity and turns back, it is one.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().stretch_at(system_.contact(i).unknown);
@@ -493,7 +493,10 @@ class StepwisePart {
                           2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
     const bool counts =
         collision.rests || leaves != 0.0 || !closing || (std::abs(*closing) > weights.promised_velocity() && of_scene);
-    if (closing && counts) tell_event(t, i, Change::closing, *closing);
+    if (closing && counts)
+      tell_closing(t, i, *closing);
+    else if (closing && std::abs(*closing) > weights.promised_velocity())
+      withhold_closing(t, i, *closing);
     if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
@@ -516,12 +519,46 @@ class StepwisePart {
     return bar.moving() ? bar.lift(t, 1).at(bar.share(system_.contact(i).unknown)) : 0.0;
   }
 
+  // A closing that is not told yet, and when its node struck last.
+  struct Withheld {
+    std::size_t contact;
+    double last, time, velocity;
+    std::vector<ChangeSensitivity> sensitivities;
+  };
+
+  // True if the node is back before a wave has crossed the element behind it: no mesh tells these strikes apart.
+  bool goes_on(double t, std::size_t i) const {
+    if (!withheld_ || withheld_->contact != i) return false;
+    const Mesh& mesh = system_.bar().mesh();
+    const Bar& bar = system_.bar().bar();
+    const double h = mesh.element(system_.contact(i).where == Where::left ? 0 : mesh.elements - 1);
+    return t - withheld_->last < h * std::sqrt(bar.density / bar.modulus);
+  }
+
+  void withhold_closing(double t, std::size_t i, double velocity) {
+    if (goes_on(t, i))
+      withheld_->last = t;
+    else
+      withheld_ = {i, t, t, velocity + frame_velocity(t, i), sensitivities_at(t, i)};
+  }
+
+  // A contact begins with the first of the strikes that are one.
+  void tell_closing(double t, std::size_t i, double velocity) {
+    if (!goes_on(t, i)) return tell_event(t, i, Change::closing, velocity);
+    const Withheld first = *std::exchange(withheld_, std::nullopt);
+    telling_.event(first.time, system_.bar(), system_.contact(i), Change::closing, first.velocity, first.sensitivities);
+  }
+
   void tell_event(double t, std::size_t i, Change change, double velocity) {
-    const BarSystem& bar = system_.bar();
-    velocity += frame_velocity(t, i);
+    withheld_.reset();  // events are told in their order
+    telling_.event(t, system_.bar(), system_.contact(i), change, velocity + frame_velocity(t, i),
+                   sensitivities_at(t, i));
+  }
+
+  std::vector<ChangeSensitivity> sensitivities_at(double t, std::size_t i) const {
     std::vector<ChangeSensitivity> of_bar = changes_;
     if (sensitivities_) sensitivities_->add_frame(t, i, of_bar);
-    telling_.event(t, bar, system_.contact(i), change, velocity, of_bar);
+    return of_bar;
   }
 
   void tell_snapshot(double t) {
@@ -557,6 +594,7 @@ class StepwisePart {
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
   std::size_t next_output_ = 0;
+  std::optional<Withheld> withheld_;
   bool starts_in_contact_ = false;  // the filter keeps the motion after an impact
   std::optional<Sensitivities>& sensitivities_;
   std::vector<ChangeSensitivity> changes_;  // of the contact change under way

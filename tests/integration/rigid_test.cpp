@@ -187,6 +187,25 @@ TEST(Rigid, ABarThatComesToRestDoesNotToggleItsContacts) {
   EXPECT_LT(trace.statistics.steps, 20000u);
 }
 
+// A node that the strained element behind it pulls off at once, until the wave of the impact is through that: the bar
+// itself, whose end moves by -t + t^2 / 10, stays where it touches.
+TEST(Rigid, AContactBeginsWithTheFirstStrikeOfItsNode) {
+  Scene stretched;
+  stretched.left = Obstacle{0.1};
+  stretched.displacement = [](double) { return 0.0; };
+  stretched.velocity = [](double x) { return -1.0 + 0.2 * x; };
+  const double touches = 5.0 - std::sqrt(24.0);
+  double errors[2];
+  for (const std::size_t level : {std::size_t{0}, std::size_t{1}}) {
+    const RunTrace trace = record(BarSystem(stretched, {1.0, std::size_t{40} << level}, Mass::fourth_order),
+                                  std::vector{0.0, 0.4}, Rigid{{1e-9, 1e-12}});
+    ASSERT_EQ(trace.events.size(), 1u);
+    errors[level] = std::abs(trace.events[0].time - touches);
+    EXPECT_NEAR(trace.events[0].velocity, -1.0 + 0.2 * touches, 0.05);
+  }
+  EXPECT_LT(errors[1], 0.5 * errors[0]);
+}
+
 // The bar pulls its node off the obstacle at once: a closing and an opening of one time, where the bar itself comes no
 // nearer than 1.6e-4, or stays.
 TEST(Rigid, HasNoContactOfZeroLength) {
