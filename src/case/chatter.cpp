@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "scene/end_kinds.hpp"
 
 namespace viscobar {
 
@@ -39,17 +40,20 @@ std::string chatter_remedies(const Setup& setup, const std::optional<ContactRegi
   std::string remedies;
   const auto add = [&](const std::string& remedy) { remedies += (remedies.empty() ? "" : ", ") + remedy; };
   // A remedy must be possible by one --set.
-  const auto offer = [&](const std::string& remedy, auto&& change) {
-    Case changed = run;
-    change(changed);
-    if (sound(std::move(changed))) add(remedy);
+  const auto offer = [&](const std::string& remedy, const Case& changed) {
+    if (sound(changed)) add(remedy);
   };
-  if (where != Where::span && setup.mass != Mass::redistributed) {
-    offer("mesh.mass = \"redistributed\"", [](Case& changed) { changed.mass = Mass::redistributed; });
-    if (!run.mass && is_penalised(run.method) && remedies.empty())
-      offer("method.name = \"arkode\"", [](Case& changed) { changed.method = MethodName::arkode; });
+  Case massless = run, other = run, inelastic = run;
+  massless.mass = Mass::redistributed, other.method = MethodName::arkode, inelastic.restitution = 0.0;
+  const Scene& scene = run.scene;
+  if (setup.mass != Mass::redistributed &&
+      ((where == Where::left && is_bare_obstacle(scene.left, scene.left_input)) ||
+       (where == Where::right && is_bare_obstacle(scene.right, scene.right_input)))) {
+    offer("mesh.mass = \"redistributed\"", massless);
+    if (remedies.empty() && is_penalised(run.method) && resolve(other).mass == Mass::redistributed)
+      offer("method.name = \"arkode\"", other);
   }
-  if (elastic) offer("contact.restitution = 0", [](Case& changed) { changed.restitution = 0.0; });
+  if (elastic) offer("contact.restitution = 0", inelastic);
   if (regime && regime->quiet_epsilon > 0.0)
     add(fmt::format("contact.epsilon of at least {:.2g}", regime->quiet_epsilon));
   else if (is_penalised(run.method) && has_penalty(run.scene))

@@ -12,6 +12,7 @@
 #include "case/run_cost.hpp"
 #include "integration/exponential/refusal.hpp"
 #include "run/parts.hpp"
+#include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
 #include "viscobar/case/case.hpp"
 
@@ -103,7 +104,7 @@ void check_times(const Setup& setup, Findings& findings) {
 
 void check_massless(const Case& run, Findings& findings) {
   const Scene& scene = run.scene;
-  const std::size_t needed = 1 + end_obstacles(scene);
+  const std::size_t needed = 1 + bare_obstacles(scene);
   if (scene.span && run.mass == Mass::redistributed)
     findings.report("mesh.mass",
                     "\"redistributed\" does not fit a span obstacle: every node is a contact node "
@@ -118,13 +119,14 @@ void check_input(const std::string& table, const EndCondition& end, const EndInp
     findings.report(table + (is_obstacle(end) ? ".gap" : ".motion"),
                     "moves, and an obstacle under the whole span stands still: the two do not go together yet; "
                     "take the number that it begins with, or leave [span] out");
-  if (is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) &&
-      setup.mass == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+  const bool takes_mass = setup.mass == Mass::redistributed && is_obstacle(end) && bare_obstacles(setup.run.scene) == 0;
+  if (!takes_mass || !findings.sound({"mesh.mass", "method.name"})) return;
+  if (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0)
     findings.report("mesh.mass",
                     "\"redistributed\" takes the mass that the spring, the dashpot and the mass of [{}] "
                     "want from the node; use \"fourth_order\", \"consistent\" or \"lumped\"",
                     table);
-  if (input.stop && setup.mass == Mass::redistributed && findings.sound({"mesh.mass", "method.name"}))
+  if (input.stop)
     findings.report("mesh.mass",
                     "\"redistributed\" takes the mass that a stop by {} meets from the node; use \"fourth_order\", "
                     "\"consistent\" or \"lumped\"",

@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "scene/end_kinds.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -95,7 +97,7 @@ static_assert(std::ranges::equal(rows, all_methods, {}, &MethodRow::method), "a 
 }  // namespace
 
 bool has_algebraic_rows(const Case& run) {
-  return run.mass == Mass::redistributed && end_obstacles(run.scene) > 0 && run.scene.bar.viscosity == 0.0;
+  return run.mass == Mass::redistributed && bare_obstacles(run.scene) > 0 && run.scene.bar.viscosity == 0.0;
 }
 
 std::span<const MethodRow> method_table() { return rows; }

@@ -35,8 +35,9 @@ std::string remedy(const Case& run, Failure why) {
              "the load for jumps";
     case Failure::digits: return "loosen method.relative_tolerance or raise method.absolute_tolerance";
     case Failure::stiffness:
-      return fmt::format("take {}; check initial data and load for values that are far too large",
-                         choice({larger, softer, massless, {true, "method.name = \"arkode\""}}));
+      return fmt::format(
+          "take {}; check initial data and load for values that are far too large",
+          choice({larger, softer, massless, {run.method != MethodName::arkode, "method.name = \"arkode\""}}));
     case Failure::inertia:
       return fmt::format("{}, a smaller bar.viscosity or bar.modulus, or a larger bar.density",
                          is_scheme(run.method) ? "take a shorter method.step" : "choose an earlier time.end");
@@ -50,8 +51,9 @@ std::string remedy(const Case& run, Failure why) {
     case Failure::length:
       return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";
     case Failure::chatter:
-      return fmt::format("contact nodes bounce without end: take {}",
-                         choice({massless, {penalty, "contact.restitution = 0"}, larger, softer}));
+      return fmt::format(
+          "contact nodes bounce without end: take {}",
+          choice({massless, {penalty && run.restitution != 0.0, "contact.restitution = 0"}, larger, softer}));
     case Failure::brief_contact: return fmt::format("take {}", choice({larger, softer, massless}));
     case Failure::toggling: return "take a larger contact.epsilon, or measure displacements from the obstacle";
     case Failure::detail:

@@ -8,25 +8,16 @@
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
 #include "discretisation/gauss.hpp"
+#include "scene/end_kinds.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
 namespace {
 
-// An end that is mounted, or meets a stop with a law of its own, wants its mass.
-bool mounts_a_contact(const Scene& scene) {
-  const auto mounted = [](const EndCondition& end, const EndInput& input) {
-    return is_obstacle(end) && (input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0 || input.stop);
-  };
-  return mounted(scene.left, scene.left_input) || mounted(scene.right, scene.right_input);
-}
-
 bool redistributes(const Case& run) {
-  const Scene& scene = run.scene;
-  if (mounts_a_contact(scene)) return false;
-  const std::size_t contacts = end_obstacles(scene);
-  return contacts > 0 && !scene.span && run.elements > contacts;
+  const std::size_t massless = bare_obstacles(run.scene);
+  return massless > 0 && !run.scene.span && run.elements > massless;
 }
 
 // Under a span obstacle neighbours meet it one after the other. Where what they do then does not die out, for they are
@@ -143,7 +134,7 @@ AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
   if (run.epsilon || has_stops(scene)) {
-    const bool massless = run.mass ? end_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
+    const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
   if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};

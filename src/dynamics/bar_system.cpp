@@ -93,7 +93,12 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
-  massless_ = {redistributed && ends[0].obstacle, redistributed && ends[1].obstacle};
+  massless_ = {redistributed && is_bare_obstacle(scene.left, scene.left_input),
+               redistributed && is_bare_obstacle(scene.right, scene.right_input)};
+  if (redistributed && end_obstacles(scene) > 0 && !has_massless())
+    throw std::invalid_argument(
+        "mass \"redistributed\" does not fit a spring, a dashpot, a mass or a stop with a law of its own at an end, whose "
+        "node must keep its mass");
   if (scene.section) {
     section_ = std::make_shared<VaryingSection>(scene.section, scene.section_places.breaks, mesh);
     places_ = section_->places();
@@ -135,10 +140,6 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     const EndInput& input = inputs_[right];
     if (walls_[right] || (input.stiffness == 0.0 && input.dashpot == 0.0 && input.mass == 0.0)) continue;
     mounts_.push_back({end(right), input.stiffness, input.dashpot, input.mass});
-    if (massless(end(right)))
-      throw std::invalid_argument(
-          "mass \"redistributed\" does not fit a spring, a dashpot or a mass at an end with an obstacle, whose node must "
-          "keep its own");
   }
   const bool moved = inputs_[0].motion || inputs_[1].motion;
   if (moved && scene.span)

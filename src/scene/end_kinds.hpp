@@ -87,4 +87,14 @@ inline EndNode end_node(const EndCondition& end, double initial_displacement) {
   return end_kind(end).node(end, initial_displacement);
 }
 
+/// True if an end has an obstacle that may hold a node without mass: nothing is mounted there, and no stop has a law of
+/// its own. The mass "redistributed" takes the mass of these nodes alone.
+inline bool is_bare_obstacle(const EndCondition& end, const EndInput& input) {
+  return is_obstacle(end) && input.stiffness == 0.0 && input.dashpot == 0.0 && input.mass == 0.0 && !input.stop;
+}
+inline std::size_t bare_obstacles(const Scene& scene) {
+  return std::size_t{is_bare_obstacle(scene.left, scene.left_input)} +
+         std::size_t{is_bare_obstacle(scene.right, scene.right_input)};
+}
+
 }  // namespace viscobar

@@ -27,8 +27,8 @@ class RandomEnds {
                     uniform(1.0, 5.0), uniform(0.0, 3.0), uniform(-0.5, 0.3), uniform(-0.5, 0.5));
     if (coin())
       text_ += fmt::format("[load]\nprofile = \"cos({}*x)\"\nhistory = \"sin({}*t)\"\n", uniform(0, 3), uniform(1, 5));
-    masses_ = !mounted_contact_ ? std::vector<std::string>{"consistent", "lumped", "fourth_order", "redistributed"}
-                                : std::vector<std::string>{"consistent", "lumped", "fourth_order"};
+    masses_ = {"consistent", "lumped", "fourth_order"};
+    if (bare_contact_ || !contact_) masses_.emplace_back("redistributed");
   }
 
   std::string by(const std::string& method, double epsilon, const std::string& more = "", double end = 2.0) const {
@@ -40,7 +40,7 @@ class RandomEnds {
   bool contact() const { return contact_; }
   bool massive_contact() const { return massive_contact_; }
   bool algebraic() const {
-    return viscosity_ == 0.0 && contact_ && masses_[seed_of_mass_ % masses_.size()] == "redistributed";
+    return viscosity_ == 0.0 && bare_contact_ && masses_[seed_of_mass_ % masses_.size()] == "redistributed";
   }
 
  private:
@@ -69,17 +69,20 @@ class RandomEnds {
       if (coin()) text_ += "side = \"above\"\n";
     }
     if (coin()) text_ += fmt::format("force = \"{}*sin({}*t)\"\n", uniform(-1.0, 1.0), uniform(1.0, 5.0));
-    if (coin()) text_ += fmt::format("stiffness = {}\n", uniform(0.1, 3.0)), mounted_contact_ |= obstacle;
-    if (coin()) text_ += fmt::format("dashpot = {}\n", uniform(0.1, 2.0)), mounted_contact_ |= obstacle;
-    if (masses_at_ends_() % 2 == 0) return;
-    text_ += fmt::format("mass = {}\n", std::uniform_real_distribution<double>(0.01, 2.0)(masses_at_ends_));
-    mounted_contact_ |= obstacle, massive_contact_ |= obstacle;
+    bool mounted = false;
+    if (coin()) text_ += fmt::format("stiffness = {}\n", uniform(0.1, 3.0)), mounted = true;
+    if (coin()) text_ += fmt::format("dashpot = {}\n", uniform(0.1, 2.0)), mounted = true;
+    if (masses_at_ends_() % 2 == 1) {
+      text_ += fmt::format("mass = {}\n", std::uniform_real_distribution<double>(0.01, 2.0)(masses_at_ends_));
+      mounted = true, massive_contact_ |= obstacle;
+    }
+    bare_contact_ |= obstacle && !mounted;
   }
 
   std::mt19937 random_, masses_at_ends_;
   std::string text_;
   double viscosity_;
-  bool contact_ = false, mounted_contact_ = false, massive_contact_ = false;
+  bool contact_ = false, bare_contact_ = false, massive_contact_ = false;
   std::vector<std::string> masses_;
   std::size_t seed_of_mass_ = random_() % 12;
 };

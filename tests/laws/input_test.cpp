@@ -159,6 +159,28 @@ TEST(Law, IsForecastByCheck) {
   EXPECT_NE(check_json(check).find("\"predicted_peak\""), std::string::npos);
 }
 
+// A wall beside a stop: the wall's node gives its mass away, the stop's keeps it, and no advice names what is there.
+TEST(Law, OfOneEndLeavesTheOtherAWallThatDoesNotChatter) {
+  for (const double viscosity : {0.0, 0.01}) {
+    SCOPED_TRACE(viscosity);
+    const std::string text = fmt::format(
+        "[bar]\nlength = 1\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = 0.1\n{}[right]\nkind = \"obstacle\"\ngap = "
+        "0.1\nside = \"above\"\n[initial]\nvelocity = -1\n[time]\nend = 6\n[mesh]\nelements = 40\n",
+        viscosity, contact("spring_damper", 50.0, 1.0));
+    const Case run = parse_scene(text, "").run;
+    EXPECT_EQ(run.method, MethodName::arkode);
+    EXPECT_EQ(resolve(run).mass, Mass::redistributed);
+    const BarSystem system = resolve(run).system();
+    EXPECT_FALSE(system.massless(0));
+    EXPECT_TRUE(system.massless(system.size() - 1));
+    EXPECT_LT(outcome(run).events.size(), 16u);
+    const std::array<std::string, 1> set = {"mesh.mass=consistent"};
+    for (const SceneFile& scene : {parse_scene(text, ""), parse_scene(text, "", set)})
+      for (const std::string& warning : check_scene(scene).warnings)
+        EXPECT_EQ(warning.find("arkode"), std::string::npos) << warning;
+  }
+}
+
 TEST(Law, KeepsTheBitsOfARunThatIsResumed) {
   for (const char* method : linear_methods)
     for (const std::string_view law : {"spring_damper", "hunt_crossley"}) {
