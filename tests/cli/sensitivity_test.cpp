@@ -106,6 +106,13 @@ TEST_F(Sensitivity, OfAFitFindsWhatMadeTheTrace) {
       viscobar("fit bar.toml --events made/events.csv --parameters left.gap --set left.gap=0.2 -o times --json");
   ASSERT_EQ(times.code, 0) << times.error;
   EXPECT_NEAR(times.json()["parameters"]["left.gap"]["estimate"], 0.1, 1e-6);
+  // There is no derivative by what a section depends on: such runs are differenced.
+  const std::string cone = "--set 'bar.section=(1+taper*x)^2' --set parameters.taper=";
+  ASSERT_EQ(viscobar("run bar.toml -o cone --quiet " + cone + "0.8").code, 0);
+  const auto taper =
+      viscobar("fit bar.toml --data cone/ends.csv --parameters parameters.taper -o taper --json " + cone + "0.5");
+  ASSERT_EQ(taper.code, 0) << taper.error;
+  EXPECT_NEAR(taper.json()["parameters"]["parameters.taper"]["estimate"], 0.8, 1e-4);
 }
 
 // The data have no noise, and a fit ends within a thousandth of a standard deviation of where they lead.

@@ -115,20 +115,29 @@ PreparedFit prepared_fit(const FitRequest& request,
   FitStudy& study = prepared.study;
   if (!request.data.empty()) read_data(study, scene, request.data);
   if (!request.events.empty()) read_changes(study, scene, request.events);
-  // A method without derivatives is kept, and its runs are differenced. Derivatives by the length are those of what
-  // moves with the nodes, and a gauge stays at its x.
+  // Derivatives by the length are those of what moves with the nodes, and a gauge stays at its x.
   const auto is_gauge = [](const MeasuredTrace& trace) { return trace.column >= TraceColumn::u_at; };
   study.differences = !method_row(scene.run.method).differentiates ||
                       (std::ranges::find(request.parameters, "bar.length") != request.parameters.end() &&
                        std::ranges::any_of(study.traces, is_gauge));
-  std::vector<Setting> kept;
-  if (!study.differences) kept.emplace_back(std::pair("sensitivity.of", request.parameters));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
     if (!is_parameter(key) && !gives_damping(scene.run.scene, key))
       direction(scene.run, key);  // refuses keys that are none to vary
+  }
+  // A method or a scene that has no derivatives, as by a parameter of its section, is kept, and its runs are
+  // differenced.
+  std::vector<Setting> kept;
+  if (!study.differences) {
+    const Setting derivatives = std::pair("sensitivity.of", request.parameters);
+    try {
+      read({derivatives});
+      kept.push_back(derivatives);
+    } catch (const SceneError&) {
+      study.differences = true;
+    }
   }
   for (const std::string& text : request.bounds) {
     const auto [key, range] = assignment(text, "--bounds", request.parameters);
