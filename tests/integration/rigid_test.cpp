@@ -201,9 +201,10 @@ TEST(Rigid, AContactBeginsWithTheFirstStrikeOfItsNode) {
                                   std::vector{0.0, 0.4}, Rigid{{1e-9, 1e-12}});
     ASSERT_EQ(trace.events.size(), 1u);
     errors[level] = std::abs(trace.events[0].time - touches);
-    EXPECT_NEAR(trace.events[0].velocity, -1.0 + 0.2 * touches, 0.05);
+    EXPECT_NEAR(trace.events[0].velocity, -1.0 + 0.2 * touches, 1e-3);
   }
-  EXPECT_LT(errors[1], 0.5 * errors[0]);
+  EXPECT_LT(errors[0], 1e-5);  // 1.5e-6
+  EXPECT_LT(errors[1], 0.25 * errors[0]);
 }
 
 // The bar pulls its node off the obstacle at once: a closing and an opening of one time, where the bar itself comes no
