@@ -252,7 +252,7 @@ std::pair<std::vector<double>, std::vector<double>> measured(const Table& table,
     throw std::invalid_argument(
         fmt::format("a series has a file and a column, or places {} and values", request.variable));
   if (table.find("values")) throw std::invalid_argument("a series has a file, or values, and not both");
-  const auto* of_places = table.get<std::string>(name, "the name of a column");
+  const auto* of_places = table.get<std::string>(table.find("time") ? "time" : name, "the name of a column");
   const std::string places_name = of_places ? *of_places : name, values_name = plain_name(*column);
   TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", values_name}, {}, places_name);
   if (!read.doubts.empty()) throw std::invalid_argument(read.doubts.front());
@@ -288,8 +288,9 @@ std::pair<std::vector<double>, std::vector<double>> given(const Table& table, co
 std::shared_ptr<const Series> read_series(const SceneTable& entries, const SeriesRequest& request) {
   const Table table{entries};
   const std::string variable(1, request.variable);
-  const std::vector<std::string> known = {"file",          "column", variable,  "values",
-                                          "interpolation", "scale",  "outside", "checksum"};
+  std::vector<std::string> known = {"file",          "column", variable,  "values",
+                                    "interpolation", "scale",  "outside", "checksum"};
+  if (request.variable == 't') known.emplace_back("time");
   for (const auto& [name, value] : entries)
     if (std::ranges::find(known, name) == known.end()) {
       const auto nearest = nearest_name(name, known);
@@ -297,6 +298,8 @@ std::shared_ptr<const Series> read_series(const SceneTable& entries, const Serie
           "a series has no \"{}\"; {}", name,
           nearest ? fmt::format("nearest is \"{}\"", *nearest) : fmt::format("there are {}", fmt::join(known, ", "))));
     }
+  if (table.find("time") && (table.find("t") || !table.find("file")))
+    throw std::invalid_argument("time is the column of times in a file, and t another name of it");
   auto [places, values] = table.find("file") ? measured(table, request) : given(table, request);
   if (places.empty()) throw std::invalid_argument("a series has a value at least, and this one has none");
   if (const double* scale = table.get<double>("scale", "a number"))

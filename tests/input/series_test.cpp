@@ -155,6 +155,18 @@ double apart(const Recording& a, const Recording& b) {
   return most;
 }
 
+TEST_F(Records, HaveTheirTimesInTheColumnThatTimeNames) {
+  write("record.csv", rows(
+                          16, 2.0, [](double t) { return t; }, "clock,F\n"));
+  const auto left = [](const std::string& more) {
+    return bar + "[left]\nkind = \"free\"\nforce = { file = \"record.csv\", column = \"F\", " + more + " }\n";
+  };
+  const Recording named = record(scene(left("time = \"clock\"")).run);
+  EXPECT_EQ(named.u, record(scene(left("t = \"clock\"")).run).u);
+  EXPECT_THROW(scene(left("time = \"clock\", t = \"clock\"")), SceneError);
+  EXPECT_THROW(scene(bar + "[left]\nkind = \"free\"\nforce = { time = [0, 2], values = [0, 1] }\n"), SceneError);
+}
+
 // The spline is wrong by h^4, lines by h^2, and so is what they move.
 TEST_F(Records, OfAForceMoveTheBarAsItsFormulaDoes) {
   const auto f = [](double t) { return 0.3 * std::sin(3.0 * t); };
