@@ -21,7 +21,7 @@ using Column = TheirSolution::Column;
 
 // Sampled, with seven digits: by scheme (2.8) on a mass whose ends do not bounce. A bar without viscosity is solved by
 // its characteristics, since waves on a mesh make a scheme touch once more, which the bar does not.
-TheirSolution solution(const SceneFile& scene, std::size_t elements, double viscosity) {
+TheirSolution solution(const SceneFile& scene, std::size_t elements, double viscosity, bool energy) {
   Case run = scene.run;
   run.automatic = false;
   run.method = run.scene.bar.viscosity > 0.0 ? MethodName::fully_discrete : MethodName::characteristics;
@@ -36,6 +36,10 @@ TheirSolution solution(const SceneFile& scene, std::size_t elements, double visc
   names.push_back(fmt::format("u@{}", 0.4 * bar.length));
   if (is_obstacle(run.scene.left)) names.emplace_back("reaction_left");
   if (is_obstacle(run.scene.right)) names.emplace_back("reaction_right");
+  if (energy) names.emplace_back("v_right");
+  for (const double part : {0.25, 0.5, 0.75})
+    for (const char* of : {"u", "v"})
+      if (energy) names.push_back(fmt::format("{}@{}", of, part * bar.length));
   for (const std::string& name : names) {
     const auto [column, place] = *trace_column(name);
     const ColumnReader read(column, place, run.mesh(), bar);
@@ -65,6 +69,32 @@ double size_of(const Column& column) {
   double largest = 0.0;
   for (const double value : column.values) largest = std::max(largest, std::abs(value));
   return largest;
+}
+
+// Kinetic and elastic energy of the P1 function through five places, at each time.
+std::vector<double> energies(const TheirSolution& theirs, const Bar& bar) {
+  const auto values = [&](const char* of, int part) -> const std::vector<double>& {
+    const std::string name = part == 0   ? fmt::format("{}_left", of)
+                             : part == 4 ? fmt::format("{}_right", of)
+                                         : fmt::format("{}@{}", of, 0.25 * part * bar.length);
+    return std::ranges::find(theirs.columns, name, &Column::name)->values;
+  };
+  const double h = bar.length / 4;
+  std::vector<double> all(theirs.times.size(), 0.0);
+  for (int part = 0; part < 4; ++part) {
+    const std::vector<double>&u = values("u", part), &v = values("v", part), &w = values("u", part + 1),
+          &z = values("v", part + 1);
+    for (std::size_t k = 0; k < all.size(); ++k)
+      all[k] += 0.5 * bar.density * h / 3 * (v[k] * v[k] + v[k] * z[k] + z[k] * z[k]) +
+                0.5 * bar.modulus / h * (w[k] - u[k]) * (w[k] - u[k]);
+  }
+  return all;
+}
+
+double drift(const std::vector<double>& one, const std::vector<double>& other) {
+  double most = 0.0;
+  for (std::size_t k = 0; k < one.size(); ++k) most = std::max(most, std::abs(one[k] - other[k]));
+  return most;
 }
 
 struct Span {
@@ -111,9 +141,14 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
   const std::string text = judged_scene(seed, index);
   const SceneFile scene = parse_scene_with(text, "scene", of_the_bar_itself());
   Draw draw(seed + 1, index);
-  TheirSolution theirs = solution(scene, elements, 1.0), coarse = solution(scene, elements / 2, 1.0);
-  const TheirSolution coarsest = solution(scene, elements / 4, 1.0);
-  const bool spoils = index % 2 == 1;
+  constexpr const char* ways[] = {
+      "a contact dropped", "a contact added", "a time shift",       "1 % of viscosity",   "a sign",
+      "a reaction scaled", "noise",           "a place confounded", "energy that drifts", "a late contact"};
+  const std::size_t way = index / 2 % std::size(ways);
+  const bool spoils = index % 2 == 1, with_energy = way == 8;
+  TheirSolution theirs = solution(scene, elements, 1.0, with_energy),
+                coarse = solution(scene, elements / 2, 1.0, with_energy);
+  const TheirSolution coarsest = solution(scene, elements / 4, 1.0, with_energy);
   // Contacts by their reactions, of some of the sound ones by displacements alone, or by their changes.
   const std::size_t shown = spoils ? 0 : index / 2 % 3;
   for (TheirSolution* one : {&theirs, &coarse}) {
@@ -121,10 +156,6 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
     if (shown == 1) std::erase_if(one->columns, [](const Column& of) { return of.name.starts_with("reaction"); });
   }
   const TheirSolution sound = theirs;
-  constexpr const char* ways[] = {
-      "a contact dropped", "a contact added", "a time shift",      "1 % of viscosity", "a sign",
-      "a reaction scaled", "noise",           "a place confounded"};
-  const std::size_t way = index / 2 % std::size(ways);
   JudgedSample judged{Verdict::right, spoils ? ways[way] : "nothing", ""};
   const auto refused = [&](const std::string& why) { return JudgedSample{Verdict::refused, judged.spoiled, why}; };
   const auto column = [&](const char* name) -> Column& {
@@ -151,7 +182,7 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
         }
         break;
       case 3:
-        theirs = solution(scene, elements, 1.01);
+        theirs = solution(scene, elements, 1.01, false);
         theirs.changes.reset();
         break;
       case 4:
@@ -165,7 +196,20 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
         for (double& value : u.values) value += deviation * draw.normal();
         break;
       }
-      default: u.values.swap(column("u_right").values);
+      case 7: u.values.swap(column("u_right").values); break;
+      case 8:
+        for (Column& one : theirs.columns)
+          for (std::size_t k = 0; k < theirs.times.size() && !one.name.starts_with("reaction"); ++k)
+            one.values[k] *= 1.0 + 0.1 * theirs.times[k] / theirs.times.back();
+        break;
+      default: {
+        const auto begin = reaction.values.begin() + static_cast<std::ptrdiff_t>(contact.begin),
+                   end = reaction.values.begin() + static_cast<std::ptrdiff_t>(contact.end);
+        if (contact.size() < 15 || contact.end + 2 * shift > reaction.values.size() ||
+            std::any_of(end, end + 2 * shift, [](double value) { return value != 0.0; }))
+          return refused("no contact of 15 samples before a flight");
+        std::rotate(begin, end, end + shift);
+      }
     }
   }
 
@@ -196,7 +240,20 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
     const double moved = distance(theirs.columns[k], sound.columns[k]);
     if (one.distance() > error)
       far += fmt::format("{} is off by {:.3g}, not {:.3g}; ", one.name, one.distance(), error);
-    expected = expected || moved > 2.0 * error || (way == 2 && one.size > 0.0);
+    expected = expected || moved > 2.0 * error || (way == 2 && one.size > 0.0) || way == 9;
+  }
+  bool drift_told = true;  // as it is, to the solution's error
+  if (with_energy) {
+    const Bar& bar = scene.run.scene.bar;
+    const std::vector<double> of_sound = energies(sound, bar), of_coarse = energies(coarse, bar);
+    const double error = std::max(2.0 * drift(of_sound, of_coarse), drift(of_coarse, energies(coarsest, bar))) +
+                         1e-5 * *std::ranges::max_element(of_sound);
+    const double made = drift(energies(theirs, bar), of_sound);
+    expected = expected && made > 2.0 * error;
+    drift_told = told.energy_drift && std::abs(std::abs(*told.energy_drift) - made) <= error;
+    if (!drift_told)
+      far += fmt::format("energy drifts by {:.3g}, told {:.3g}, not {:.3g}; ", made, told.energy_drift.value_or(0.0),
+                         error);
   }
   const auto latest = [](const JudgedSolution& of) {
     double late = 0.0;
@@ -218,6 +275,10 @@ JudgedSample run_judgement(std::uint64_t seed, std::size_t index) {
             : way == 1 ? made_up == 1 && missed == 0
             : way == 2 ? !far.empty() && missed == 0 && made_up == 0 &&
                              std::abs(late - static_cast<double>(shift) * sample) <= 2.0 * sample
+            : way == 9 ? missed == 0 && made_up == 0 &&
+                             std::abs(late - static_cast<double>(shift) * sample) <=
+                                 2.0 * sample + std::abs(latest(result.solutions.back()))
+            : way == 8 ? !far.empty() && drift_told
             : way == 3 ? !far.empty()  // and a contact that the bar comes to slowly is late by much
                        : !far.empty() && sound_contacts;
   }

@@ -25,7 +25,7 @@ struct JudgedSample {
 };
 
 /// Solves the scene by scheme (2.8) on two meshes, whose difference is the error of the finer one, samples it, spoils
-/// it in one of eight ways where index is odd, and judges it.
+/// it in one of ten ways where index is odd, and judges it.
 JudgedSample run_judgement(std::uint64_t seed, std::size_t index);
 
 }  // namespace viscobar::campaign
