@@ -186,8 +186,10 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
   std::vector<double> displacement(mesh_.nodes()), velocity(mesh_.nodes());
   expand_displacement(u, displacement);
   expand_velocity(w, velocity);
-  add_lift(lift, displacement);
-  add_lift(rate, velocity);
+  if (moving()) {
+    add_lift(lift, displacement);
+    add_lift(rate, velocity);
+  }
   return nodal_energy(displacement, velocity);
 }
 
