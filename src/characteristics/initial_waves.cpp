@@ -56,7 +56,11 @@ InitialData initial_data(const Scene& scene) {
   const auto fitted = [&](const SpaceFunction& f, const Places& places, const char* key) -> const Piecewise& {
     const std::vector<double> breaks = shares_of(places.breaks, bar.length),
                               guards = shares_of(places.detail, bar.length);
-    return fit.of(checked(f, bar.length, key), {.breaks = breaks, .guards = guards});
+    try {
+      return fit.of(checked(f, bar.length, key), {.breaks = breaks, .guards = guards});
+    } catch (const StepFailure& error) {
+      throw std::invalid_argument(fmt::format("{}: {}", key, error.what()));
+    }
   };
   data.displacement = fitted(scene.displacement, scene.displacement_places, "initial.displacement");
   data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);

@@ -1,8 +1,11 @@
 #include "characteristics/piecewise_fit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace viscobar::characteristics {
@@ -12,6 +15,7 @@ namespace {
 constexpr std::size_t guards = 61, few_guards = 5;
 constexpr double brief = 1e-9;             // of a piece that is there for a break only
 constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried
+constexpr std::size_t most_of_all = 200'000;
 
 }  // namespace
 
@@ -67,6 +71,9 @@ bool PiecewiseFit::halve(double begin, double end, double tolerance) {
   else
     error_ = std::max(error_, fit_error_);
   pieces_.append(end, begin, end, fit_);
+  if (pieces_.size() > most_of_all)
+    throw StepFailure(Failure::detail,
+                      fmt::format("a formula has detail without end, which {} polynomials do not follow", most_of_all));
   return pieces_.size() <= most_pieces || tolerance >= 1e-6;
 }
 
@@ -82,7 +89,8 @@ bool PiecewiseFit::fits(double begin, double end, double tolerance) {
       if (j > 0)
         slope = std::max(slope, std::abs(values[j] - values[j - 1]) / (0.5 * width * (points[j - 1] - points[j])));
     }
-    const double allowed = tolerance * (scale_ + argument_ * slope);
+    // Numbers below the smallest normal one have no digits to agree in.
+    const double allowed = std::max(tolerance * (scale_ + argument_ * slope), std::numeric_limits<double>::min());
     fit_ = Chebyshev::through({values.data(), terms});
     if (width <= 4.0 * rounding) {
       fit_ = Chebyshev::constant(fit_.coefficients()[0]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "characteristics/piecewise.hpp"
+#include "run/step_failure.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar::characteristics {
@@ -38,7 +40,7 @@ class PiecewiseFit {
     /// How large its argument is where it is evaluated, in units of s: its roundings are those of that.
     double argument = 1.0;
   };
-  /// Valid until the next call.
+  /// Valid until the next call. @throws StepFailure where f is not finite, or takes too many pieces at any tolerance
   const Piecewise& of(const std::function<double(double)>& f, const Options& options);
   const Piecewise& of(const std::function<double(double)>& f) { return of(f, Options()); }
 
@@ -52,7 +54,9 @@ class PiecewiseFit {
   };
   double at(double s) {
     ++evaluations_;
-    return (*f_)(s);
+    const double value = (*f_)(s);
+    if (!std::isfinite(value)) throw not_finite();
+    return value;
   }
   Sample sample(double s) { return {s, at(s)}; }
   bool halve(double begin, double end, double tolerance);

@@ -7,6 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "run/step_failure.hpp"
+
 namespace viscobar::characteristics {
 
 namespace {
@@ -67,6 +69,8 @@ PartEnd Run::operator()() {
     fail(Failure::detail, error.what());
   } catch (const LoadError& error) {
     fail(Failure::load, error.what());
+  } catch (const StepFailure& error) {
+    fail(error.why, error.what());
   }
   finish();
   return reached();

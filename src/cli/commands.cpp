@@ -93,12 +93,7 @@ StudyOptions::StudyOptions(CLI::App& command) : scene(command), output(command) 
 Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind)
     : options_(options),
       scene_(scene),
-      directory_(
-          [&] {
-            end_on_interrupt();  // before there is a lock
-            return options.output.directory(options.scene.file);
-          }(),
-          kind),
+      directory_(options.output.directory(options.scene.file), kind),
       name_(std::filesystem::path(json_summaries[static_cast<std::size_t>(kind)]).stem()) {
   detail("results go to " + directory_.path().string());
   if (!options.output.quiet) warn_of_other_scenes(directory_.path(), scene, kind);

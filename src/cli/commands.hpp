@@ -126,7 +126,7 @@ struct StudyOptions {
 /// A study at work, the only one in its directory.
 class Study {
  public:
-  /// Warns of other scenes there; from now on an interrupt ends the program.
+  /// Warns of other scenes there.
   Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind);
 
   /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else `text` and where the

@@ -78,8 +78,6 @@ int study_limit(const LimitOptions& asked) {
   if (!asked.error.empty() && !chooses) refuse("--elements: --error chooses the mesh; give one of the two");
 
   const Study files(asked, scene, ResultKind::limit);
-  catch_interrupts();
-  study.interrupted = interrupt_asked;
   StatusLine status;
   if (!asked.output.quiet && !asked.scene.json)
     study.row = [&](const LimitRow& row) {
@@ -94,6 +92,8 @@ int study_limit(const LimitOptions& asked) {
     study.elements = {solved.run.elements};
     study.estimate = solved.estimate;
   }
+  catch_interrupts();
+  study.interrupted = interrupt_asked;
   const std::optional<ErrorEstimate> missed = study.estimate && !study.estimate->kept ? study.estimate : std::nullopt;
   const LimitResult result = limit_of(study);
   status.clear();

@@ -177,6 +177,7 @@ int run(int argc, char** argv) {
   const CLI::App& chosen = *app.get_subcommands().front();
   check_values(chosen, argc, argv);
   messages.begin(argc, argv);
+  end_on_interrupt();  // until a command has something to save
   try {
     return actions.at(chosen.get_name())();
   } catch (const DirectoryInUse& error) {

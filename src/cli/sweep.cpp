@@ -99,9 +99,10 @@ int run_sweep(const SweepOptions& asked) {
   std::optional<Ranks> ranks;
   if (started_by_mpi()) ranks.emplace(interrupt_asked);
   const bool several = ranks && ranks->size() > 1;
-  // Until there are rows there is nothing to save. A worker hears of the end from the manager.
-  several && !ranks->is_manager() ? catch_interrupts() : end_on_interrupt();
-  if (several && !ranks->is_manager()) return ranks->serve(), success;
+  if (several && !ranks->is_manager()) {
+    catch_interrupts();  // a worker hears of the end from the manager
+    return ranks->serve(), success;
+  }
   if (several && asked.threads > 0)
     refuse("--threads: under mpirun every rank but the first runs one case at a time; give -n");
 

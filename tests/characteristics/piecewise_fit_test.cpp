@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace viscobar::characteristics {
 namespace {
@@ -48,6 +49,16 @@ TEST(PiecewiseFit, SeesAKinkCloseToTheEndOfAPiece) {
     PiecewiseFit fit;
     const auto f = [at](double s) { return std::max(0.0, s - at); };
     EXPECT_LT(largest_difference(fit.of(f), f), 1e-15) << at;
+  }
+}
+
+// Their values are multiples of the smallest number, and no polynomial is within a part of that.
+TEST(PiecewiseFit, TakesDenormalNumbersAsOnePiece) {
+  for (const double size : {5e-324, 1e-310, 1e-307}) {
+    PiecewiseFit fit;
+    const auto tiny = [size](double s) { return size * std::sin(3.0 * s); };
+    EXPECT_LE(fit.of(tiny).size(), 2u) << size;
+    EXPECT_LE(largest_difference(fit.of(tiny), tiny), 2.0 * std::numeric_limits<double>::min());
   }
 }
 

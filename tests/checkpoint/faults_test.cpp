@@ -192,21 +192,28 @@ TEST_F(Faults, StudiesAndExportsReplaceAllOfTheirFilesOrNone) {
 // VISCOBAR_FAULTS_EVERY, at every so-manieth. It says so, or ends as if nothing had been; what it leaves is sound, and
 // what it would have done can be done afterwards. Allocations of HDF5 for itself do not fail here.
 TEST_F(Faults, EveryCommandSurvivesAFaultOfEachKindAnywhere) {
-  std::ofstream(scratch / "short.toml") << falling_bar_with(
-      {{"time.end", "0.5"}, {"method.name", "\"cvode\""}, {"output.every", "0.1"}});
+  std::ofstream(scratch / "short.toml") << falling_bar_with({{"time.end", "0.5"},
+                                                             {"bar.section", "\"2-x\""},
+                                                             {"method.name", "\"cvode\""},
+                                                             {"output.every", "0.1"},
+                                                             {"output.gauges", "[0.0, 0.25]"}});
   std::ofstream(scratch / "sweep.toml") << "scene = \"short.toml\"\n[vary]\nbar.viscosity = [0.1, 0.2]\n";
   ASSERT_EQ(run({"run", "short.toml", "--quiet", "-o", "whole"}, ""), 0) << err();
+  ASSERT_EQ(run({"run", "short.toml", "--quiet", "--set", "method.name=ida", "-o", "other"}, ""), 0) << err();
   ASSERT_EQ(run({"run", "short.toml", "--quiet", "--checkpoint", "0.1", "-o", "stopped", "--wall-time", "1e-9s"}, ""),
             130)
       << err();
   const std::vector<std::vector<std::string>> commands = {
       {"run", "short.toml", "--checkpoint", "0.2", "-q", "-o", "out"},
+      {"run", "short.toml", "--figures", "--sensitivity", "left.gap", "-q", "-o", "out"},
       {"resume", "out", "-q"},
       {"check", "short.toml"},
       {"compare", "short.toml", "--methods", "cvode,ida", "-q", "-o", "out"},
+      {"compare", "short.toml", "--with", "whole/ends.csv", "-q", "-o", "out"},
+      {"compare", "whole", "other", "-q", "-o", "out"},
       {"limit", "short.toml", "--epsilon", "1e-2:1e-3", "--budget", "0", "-q", "-o", "out"},
       {"precision", "short.toml", "--methods", "cvode", "--tolerance", "1e-3", "--repeat", "3", "-q", "-o", "out"},
-      {"fit", "short.toml", "--data", "whole/ends.csv", "--parameters", "bar.viscosity", "--runs", "3", "-q", "-o",
+      {"fit", "short.toml", "--data", "whole/gauges.csv", "--parameters", "bar.viscosity", "--runs", "3", "-q", "-o",
        "out"},
       {"sweep", "sweep.toml", "--threads", "1", "-q", "-o", "out"},
       {"export", "whole", "-q", "-o", "out"},

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <filesystem>
 #include <string>
 #include <thread>
@@ -39,6 +40,14 @@ class Process {
   }
 
   void signal(int number) const { kill(child_, number); }
+
+  /// Processor time so far.
+  double processor_seconds() const {
+    clockid_t clock{};
+    timespec time{};
+    if (clock_getcpuclockid(child_, &clock) == 0) clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
 
   /// Exit code; minus the signal for a process that a signal ended.
   int wait() {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "support/paper_throw.hpp"
+
 namespace viscobar {
 namespace {
 
@@ -30,6 +32,25 @@ TEST(MeshError, IsAbsentWhereTheDataCarryNone) {
   EXPECT_FALSE(mesh_error({0.1, 0.05}, {1e-3}));
   EXPECT_FALSE(mesh_error({0.1, 0.05, 0.025}, {1e-3, 2e-3})) << "differences that grow are no convergence";
   EXPECT_FALSE(mesh_error({0.1, 0.05, 0.025}, {1.0, 1e-4})) << "steeper than any order in question";
+}
+
+// The limits are run once more, which may take minutes.
+TEST(BalanceErrors, HearsAnInterrupt) {
+  LimitStudy study;
+  study.scene = paper_throw(0.01);
+  study.scene.mass = Mass::redistributed;
+  study.scene.end = study.scene.output_every = 1e7;
+  unsigned asked = 0;
+  study.interrupted = [&] { return ++asked > 100; };
+  LimitResult result;
+  for (const std::size_t elements : {27, 54, 108}) {
+    result.orders.emplace_back();
+    result.orders.back().elements = elements;
+    result.orders.back().scheme_step = 1e-3;
+  }
+  const CouplingResult found = balance_errors(study, result);
+  EXPECT_FALSE(found.coupling);
+  EXPECT_EQ(found.reason, "it was interrupted");
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <span>
 
+#include "studies/limit/mesh_runs.hpp"
 #include "studies/parallel.hpp"
-#include "viscobar/case/recording.hpp"
 
 namespace viscobar {
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double lowest_order = 0.1, highest_order = 4.0;
 
-/// The case whose solution the penalised ones tend to, with the output times of the study.
+/// The case whose solution the penalised ones tend to.
 Case limit_case(const LimitStudy& study, const LimitOrders& orders, bool rigid) {
   Case run = study.scene;
   run.directions.clear();
@@ -25,17 +25,7 @@ Case limit_case(const LimitStudy& study, const LimitOrders& orders, bool rigid) 
   run.method = rigid ? MethodName::rigid : MethodName::fully_discrete;
   run.step = orders.scheme_step;
   run.tolerance = run.tolerance.with_relative(std::min(run.tolerance.relative, 1e-10));
-  run.output_every = run.end / 2000.0;
   return run;
-}
-
-double largest_end_difference(const Recording& a, const Recording& b) {
-  double largest = 0.0;
-  for (std::size_t k = 0; k < a.times.size(); ++k) {
-    const auto u = a.displacement(k), v = b.displacement(k);
-    largest = std::max({largest, std::abs(u.front() - v.front()), std::abs(u.back() - v.back())});
-  }
-  return largest;
 }
 
 CouplingResult no(std::string reason) { return {std::nullopt, std::move(reason)}; }
@@ -62,17 +52,26 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
     if (!rigid && orders.verdict == Verdict::plateau)
       return no(fmt::format("on {} elements the difference has a plateau, so no epsilon balances it", orders.elements));
 
-  std::vector<Recording> limits(by_mesh.size());
+  std::vector<limit::Run> limits;
+  for (const std::size_t i : by_mesh) limits.push_back({limit_case(study, result.orders[i], rigid)});
+  constexpr int intervals = 2000;
+  std::vector<double> times;
+  for (int k = 0; k <= intervals; ++k) times.push_back(study.scene.end * k / intervals);
+  limit::Purse purse(study);
   parallel_for(
-      by_mesh.size(), [&](std::size_t i) { limits[i] = record(limit_case(study, result.orders[by_mesh[i]], rigid)); },
-      study.threads);
+      limits.size(), [&](std::size_t i) { limits[i].trace(times, purse); }, study.threads);
+  for (const limit::Run& run : limits) {
+    if (run.error) throw *run.error;
+    if (!run.complete)
+      return no(purse.interrupted() ? "it was interrupted" : "the runs of the limits take longer than the budget");
+  }
 
   std::vector<double> spacings, differences;
   for (std::size_t i = 0; i < by_mesh.size(); ++i) {
-    spacings.push_back(limits[i].mesh.spacing());
+    spacings.push_back(limits[i].run.mesh().spacing());
     if (i == 0) continue;
-    if (limits[i].mesh.elements == limits[i - 1].mesh.elements) return no("two of the meshes are the same");
-    const double difference = largest_end_difference(limits[i - 1], limits[i]);
+    if (limits[i].run.elements == limits[i - 1].run.elements) return no("two of the meshes are the same");
+    const double difference = largest_difference(limits[i - 1].traces, limits[i].traces);
     const LimitOrders &coarse = result.orders[by_mesh[i - 1]], &fine = result.orders[by_mesh[i]];
     const double noise =
         rigid ? coarse.tolerance_error + fine.tolerance_error : coarse.scheme_error + fine.scheme_error;

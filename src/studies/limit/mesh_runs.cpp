@@ -87,6 +87,7 @@ double step_seconds(const Case& run) {
 }
 
 bool Run::trace(std::span<const double> times, Purse& purse) {
+  const unsigned seldom = run.elements < 1000 ? 128 : 1;  // looking at the clock takes as long as a short step
   const double begin = thread_seconds();
   double told = begin;
   unsigned calls = 0;
@@ -97,7 +98,7 @@ bool Run::trace(std::span<const double> times, Purse& purse) {
   };
   try {
     traces = trace_ends(run, times, [&](double) {
-      constexpr unsigned seldom = 128;  // looking at the clock takes as long as a short step
+      if (purse.interrupted()) return RunControl::stop;
       if (++calls % seldom != 0) return RunControl::go_on;
       spend();
       return purse.empty() ? RunControl::stop : RunControl::go_on;

@@ -36,7 +36,7 @@ struct CouplingResult {
   std::string reason;                ///< why there is none; empty when there is one
 };
 
-/// Runs the limit of each mesh once more and balances. `result` is that of the study.
+/// Runs the limit of each mesh once more, within the budget of the study, and balances. `result` is that of the study.
 CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result);
 
 /// q and K with difference[i] = K (h[i]^q - h[i+1]^q) for the last two of them and decreasing h; absent for fewer than
