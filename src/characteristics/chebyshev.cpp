@@ -103,7 +103,7 @@ double maximum(const Part& part, double known, double tolerance) {
   const Chebyshev& p = part.p;
   known = std::max({known, p(-1.0), p(1.0)});
   // A maximum inside so small a part is a rounding above its ends.
-  if (p.upper() <= known + tolerance || p.terms() <= 2 || part.end - part.begin < 1e-8) return known;
+  if (!(p.upper() > known + tolerance) || p.terms() <= 2 || part.end - part.begin < 1e-8) return known;
   for (const Part& half : part.halves()) known = maximum(half, known, tolerance);
   return known;
 }

@@ -50,7 +50,11 @@ Chebyshev Piecewise::on(std::size_t i, double from, double to) const {
 
 double Piecewise::bound() const {
   double largest = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) largest = std::max(largest, polynomial(i).bound());
+  for (std::size_t i = 0; i < size(); ++i) {
+    const double bound = polynomial(i).bound();
+    if (!(bound < INFINITY)) return bound;
+    largest = std::max(largest, bound);
+  }
   return largest;
 }
 

@@ -132,7 +132,12 @@ void Run::answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, doub
     arriving = &arriving_;
     if (observers_.energy && !load_->steady()) now_.work += arrived_work(sent, *gain, until);
   }
-  if (gain || k_ == 0) now_.velocity_scale = std::max(now_.velocity_scale, arriving->bound());
+  const auto measure = [&](const Piecewise& waves) {
+    const double bound = waves.bound();
+    if (!std::isfinite(bound)) throw not_finite();
+    now_.velocity_scale = std::max(now_.velocity_scale, bound);
+  };
+  if (gain || k_ == 0) measure(*arriving);
   now_.place_scale = std::max(now_.place_scale, std::abs(end.now.end.place()));
   const auto answer = [&](const Piecewise& to, Piecewise& by) {
     end.now.end.answer(to, until, {now_.place_scale + passage_ * now_.velocity_scale, now_.velocity_scale}, by);
@@ -140,7 +145,7 @@ void Run::answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, doub
   if (!end.driven.active()) return answer(*arriving, end.sent);
   end.driven.enter(k_);
   const Piecewise& relative = end.driven.relative(*arriving);
-  now_.velocity_scale = std::max(now_.velocity_scale, relative.bound());
+  measure(relative);
   answer(relative, end.moved_if_driven);
   end.driven.send(end.now.end, end.moved_if_driven, *arriving, end.sent);
   if (observers_.energy || observers_.account) end.driven.add(end.now.end, end.moved_if_driven, end.now.driven);

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <vector>
 
+#include "run/step_failure.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -161,6 +163,11 @@ std::optional<double> descend(Interval on, std::size_t degree, double threshold,
   return descend(on, degree, threshold, finest, before);
 }
 
+// Comparisons with what is no number would halve for ever.
+void require_finite(std::span<const double> c) {
+  if (!std::isfinite(std::accumulate(c.begin(), c.end(), 0.0))) throw not_finite();
+}
+
 // Raises `known` to the largest value on the interval, unless its hull stays below.
 void raise(Interval on, std::size_t degree, double rounding, double& known) {
   constexpr double finest = 1e-9;  // squared, it is what the value at a maximum loses by its place
@@ -184,6 +191,7 @@ void raise(Interval on, std::size_t degree, double rounding, double& known) {
 double Bernstein::largest(double known) const {
   const auto [least, most] = std::minmax_element(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1);
   if (*most <= known) return known;
+  require_finite({c_.data(), degree_ + 1});
   known = std::max({known, c_[0], c_[degree_]});
   const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(*most), std::abs(*least));
   raise({c_, 0.0, 1.0}, degree_, rounding, known);
@@ -197,6 +205,7 @@ double Bernstein::smallest(double known) const {
 }
 
 std::optional<double> Bernstein::first_descent(double threshold, double finest, double before) const {
+  require_finite({c_.data(), degree_ + 1});
   return descend({c_, 0.0, 1.0}, degree_, threshold, finest, before);
 }
 

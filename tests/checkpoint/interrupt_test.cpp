@@ -89,8 +89,6 @@ TEST_F(Interrupts, AreHeardByEachCommand) {
   for (const std::string scene : {"fine.toml", "long.toml"}) {
     expect_heard({"run", scene, "--error", "1e-12", "--set", "contact.epsilon=", "-q", "-o", "out"});
     expect_heard({"compare", scene, "-q", "-o", "study"});
-    expect_heard({"compare", scene, "--with", "data.csv", "--set", "time.end=40", "--set", "mesh.elements=100000", "-q",
-                  "-o", "study"});
     expect_heard({"limit", scene, "-q", "-o", "study"});
     expect_heard({"precision", scene, "-q", "-o", "study"});
     expect_heard({"fit", scene, "--data", "data.csv", "--parameters", "bar.viscosity,left.gap", "--set",

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "run/step_failure.hpp"
+
 namespace viscobar::testing_bernstein {
 namespace {
 
@@ -138,6 +140,15 @@ TEST(Bernstein, AFallingPolynomialDescendsAtItsRoot) {
       ASSERT_TRUE(flat_root);
       EXPECT_NEAR(*flat_root, root, std::cbrt(1e-12)) << degree;
     }
+}
+
+TEST(Bernstein, OfWhatIsNoNumberIsNotHalvedForEver) {
+  for (const double wrong : {NAN, INFINITY, -INFINITY}) {
+    const Bernstein p = Bernstein::through(std::vector{0.0, wrong, 1.0, -1.0});
+    EXPECT_THROW(p.largest(-1.0), StepFailure);
+    EXPECT_THROW(p.smallest(1.0), StepFailure);
+    EXPECT_THROW((void)p.first_descent(0.0), StepFailure);
+  }
 }
 
 }  // namespace
