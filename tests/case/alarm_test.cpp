@@ -77,8 +77,12 @@ TEST(Alarm, DataThatAreTooSmallForSquaresEndInAMessageByEveryMethod) {
     }
   // The waves of a bar without viscosity are followed to choose its method; here they are 0 where the bar is thrown.
   for (const char* shape : {"\"exp(-711*(1+x))\"", "\"5e-324*sin(3*x)\""}) {
-    const std::string text = falling_bar_with({{"bar.viscosity", "0.0"}, {"initial.displacement", shape}});
-    EXPECT_EQ(run_of(parse_scene(text, "scene").run).events, 2u) << text;
+    const std::string text = std::string(
+                                 "bar.length = 1.0\nleft.kind = \"obstacle\"\nleft.gap = 0.1\n"
+                                 "initial.velocity = -1\ntime.end = 1.0\nmesh.elements = 20\n"
+                                 "initial.displacement = ") +
+                             shape;
+    EXPECT_EQ(run_of(parse_scene(text, "scene").run).events, 1u) << text;
   }
 }
 

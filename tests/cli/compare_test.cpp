@@ -49,6 +49,15 @@ TEST_F(Compare, RunsEveryMethodThatFitsAndMatchesTheirContacts) {
 }
 
 // The mass that compare told makes it the same run: rigid and the schemes have another one of their own choice.
+TEST_F(Compare, TellsTheMassThatAllMethodsRanOnAsTheChosenOne) {
+  const Ended ended = viscobar("compare " + scene("chatter") + " --methods rigid,cvode --set mesh.mass= --json");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  const Json result = ended.json();
+  for (const Json& method : result["methods"]) EXPECT_EQ(method["mass"], "redistributed");
+  EXPECT_EQ(result["chosen"]["mesh"]["mass"], "redistributed");
+  EXPECT_EQ(result["scene"]["mesh"]["mass"], "redistributed");
+}
+
 TEST_F(Compare, CountsTheContactsThatRunAndSweepCount) {
   for (const char* name : {"chatter", "rebound"}) {
     const Ended compared = viscobar("compare " + scene(name) + " --json");

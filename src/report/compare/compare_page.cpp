@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <set>
+
 #include "report/compare/compare_tables.hpp"
 #include "report/page.hpp"
 #include "report/run/run_data.hpp"
@@ -270,6 +272,12 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
     json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
   json["remarks"] = remarks(choice, check);
   tell(json, scene);
+  // A mass that the scene leaves open is the one of all methods, where they have one.
+  std::set<Mass> masses;
+  for (const MethodRun& run : check.runs)
+    if (run.built_in) masses.insert(run.setup.mass);
+  if (masses.size() == 1 && json["chosen"].contains("mesh") && json["chosen"]["mesh"].contains("mass"))
+    json["chosen"]["mesh"]["mass"] = json["scene"]["mesh"]["mass"] = name(*masses.begin());
   json["version"] = versions().viscobar;
   return json_text(json);
 }
