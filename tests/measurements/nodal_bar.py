@@ -160,11 +160,12 @@ class NodalBar:
                 moments[i] += (b - a) / 2 * np.sum(weight * hat * u1(at))
         return np.linalg.solve(M, moments)
 
-    def gauge(self, u, v, x):
-        """u, v, strain, stress by the polynomial of degree 5 through the six nodes around x."""
+    def gauge(self, u, v, x, towards):
+        """u, v, strain, stress by the polynomial of degree 5 through the six nodes around x; at a node those on the side
+        `towards`, -1 or 1."""
         nodes = np.linspace(0, self.length, self.elements + 1)
         count = min(6, len(nodes))
-        first = int(np.clip(np.searchsorted(nodes, x) - count // 2, 0, len(nodes) - count))
+        first = int(np.clip(np.searchsorted(nodes, x + 1e-9 * towards * self.length) - count // 2, 0, len(nodes) - count))
         s = nodes[first:first + count] - x
         vandermonde = np.vander(s, increasing=True)
         of_u, of_v = np.linalg.solve(vandermonde, u[first:first + count]), np.linalg.solve(vandermonde, v[first:first + count])

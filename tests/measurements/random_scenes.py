@@ -249,9 +249,10 @@ def compare(scene, directory, times, truth, impulses):
         k = 1
         found["gauges"] = 0.0
         for x in scene.gauges:
-            expected = np.array([scene.gauge(u, v, x) for u, v, _ in truth])
             scale = np.array([size, size, size * scene.elements / scene.length, force])
-            found["gauges"] = max(found["gauges"], np.max(np.abs(rows[:, k:k + 4] - expected) / scale) / promise)
+            expected = [np.array([scene.gauge(u, v, x, towards) for u, v, _ in truth]) for towards in (-1, 1)]
+            off = min(np.max(np.abs(rows[:, k:k + 4] - one) / scale) for one in expected)
+            found["gauges"] = max(found["gauges"], off / promise)
             k += 4
     with open(os.path.join(directory, "summary.json")) as file:
         summary = json.load(file)
