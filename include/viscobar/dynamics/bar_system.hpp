@@ -107,8 +107,8 @@ struct Mount {
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
-  /// redistribute the mass; redistributed mass with a span obstacle, or with a mount at a contact; a span
-  /// obstacle with an end that moves).
+  /// redistribute the mass; redistributed mass with a span obstacle, or where mounts and laws keep the mass of all
+  /// contact nodes; a span obstacle with an end that moves).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
   std::size_t size() const { return inertia_.size(); }             ///< n, number of unknown nodes
