@@ -74,69 +74,34 @@ void LaneScheme::settle_massless(bool right) {
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
 
-void LaneScheme::project_start() {
-  std::array<Lanes, 2> least{}, excess{};
-  Mask held(false);
-  const SymmetricTridiagonal& pattern = pattern_.inertia;
-  const auto node = [this](bool right) { return right ? size_ - 1 : 0; };
-  for (const bool right : {false, true}) {
-    if (!pattern_.contact[right]) continue;
-    const double s = pattern_.sign[right];
-    least[right] = (lower_[right] - s * u_[node(right)]) / dt_;
-    excess[right] = s * p_[node(right)] - least[right];
-    held = held || excess[right] < 0.0;
-  }
-  if (std::experimental::none_of(held)) return;
-  if (pattern.is_diagonal() || pattern_.massless[0] || pattern_.massless[1]) {
-    for (const bool right : {false, true}) {
-      if (!pattern_.contact[right]) continue;
-      const Lanes taken = larger(-excess[right], 0.0);
-      start_impulse_[right] += (pattern.diagonal[node(right)] * inertia_ + mass_[right]) * taken;
-      p_[node(right)] += pattern_.sign[right] * taken;
-    }
-    return;
-  }
-  factorise(0.0, 0.0);
-  constrain(excess);
-  for (const bool of : {false, true}) {
-    if (!pattern_.contact[of]) continue;
-    for (std::size_t i = 0; i < size_; ++i) p_[i] += reaction_[of] * column_[of][i];
-    where(active_[of], p_[node(of)]) = pattern_.sign[of] * least[of];
-    start_impulse_[of] += reaction_[of];
-  }
-}
-
 void LaneScheme::start_from(bool second_order) {
   const std::vector<Lanes> v = p_;
   start_impulse_ = {};
   if (loaded_) evaluate_load(0.0);
-  for (const bool right : {false, true}) {
-    if (!pattern_.contact[right]) continue;
-    const std::size_t i = right ? size_ - 1 : 0;
-    const double s = pattern_.sign[right];
-    lower_[right] = -gap_[right] - restitution_ * (gap_[right] + (s * u_[i] - dt_ * (s * p_[i])));
-  }
+  bound();
   if (second_order) {
-    factorise(dt_ / 2, dt_ * dt_ / 2);
-    balance(dt_ / 2);
-    std::vector<Lanes> a = y_;
-    finish(a);
+    factorise(dt_ / 2, dt_ * dt_ / 2, dt_ / 2);
+    sweep();
+    react();
+    std::vector<Lanes> kick = y_;
+    finish(kick);
+    if (pattern_.contact[1])
+      for (std::size_t i = 0; i < size_; ++i) kick[i] += reaction_[1] * column_[1][i];
     for (const bool of : {false, true}) {
       if (!pattern_.contact[of]) continue;
-      for (std::size_t i = 0; i < size_; ++i) a[i] += reaction_[of] * column_[of][i];
-      where(active_[of], a[of ? size_ - 1 : 0]) = pattern_.sign[of] * bound_[of];
+      where(active_[of] != 0.0, kick[of ? size_ - 1 : 0]) = pattern_.sign[of] * bound_[of];
       start_impulse_[of] = dt_ / 2 * reaction_[of];
     }
-    for (std::size_t i = 0; i < size_; ++i) p_[i] += dt_ / 2 * a[i];
+    for (std::size_t i = 0; i < size_; ++i) p_[i] += kick[i];
   }
   for (const bool right : {false, true})
     if (pattern_.massless[right]) settle_massless(right);
   project_start();
   for (std::size_t i = 0; i < size_; ++i) {
-    a_[i] = (p_[i] - v[i]) / (dt_ / 2);
+    x_[i] = 2.0 * (p_[i] - v[i]);
     u_[i] += dt_ * p_[i];
   }
-  end_a_ = {a_[0], a_[size_ - 1]};
+  end_x_ = {x_[0], x_[size_ - 1]};
   for (const bool right : {false, true}) {
     if (!pattern_.contact[right]) continue;
     Lanes& u = u_[right ? size_ - 1 : 0];
@@ -161,26 +126,16 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
     if (pattern_.contact[right])
       where(pattern_.sign[right] * u_start[right] + gap_[right] <= 0.0, touching[right]) = 1.0;
   start_from(how.second_order);
-  if (!factorise(dt / 2, dt * dt / 2)) return false;
+  if (!factorise(dt / 2, dt * dt / 2, dt)) return false;
 
   const auto node = [last](bool right) { return right ? last : 0; };
-  const auto bound = [&] {
-    for (const bool right : {false, true}) {
-      if (!pattern_.contact[right]) continue;
-      const double s = pattern_.sign[right];
-      lower_[right] = -gap_[right];
-      if (rebounds_) lower_[right] -= restitution_ * (gap_[right] + (s * u_[node(right)] - dt * (s * p_[node(right)])));
-    }
-  };
-  const auto balance_at = [&](double t) {
-    end_a_before_ = end_a_;
-    reaction_before_ = reaction_;
-    if (varying_) evaluate_load(t);
-    bound();
-    balance(dt);
-  };
-  std::swap(a_, a_before_);
-  balance_at(dt);
+  std::swap(x_, x_before_);
+  end_x_before_ = end_x_;
+  if (varying_) evaluate_load(dt);
+  was_active_ = {};
+  sweep();
+  bound();
+  react();
   accounts = {};
   for (const bool right : {false, true}) {
     if (!pattern_.contact[right]) continue;
@@ -189,20 +144,19 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
     accounts.peak[right] = reaction_before_[right];
   }
 
-  std::array<Mask, 2> was_active = {Mask(false), Mask(false)};
   std::array<double, lane_count> largest{};
   const auto tell = [&](std::size_t lane, double t) {
     if (t > how.end) return;
     if (accounts.change_count[lane]++ < outputs.most_changes) accounts.changes[lane].push_back(t);
   };
   const auto find_changes = [&](double t, double next) {
-    if (std::experimental::none_of((active_[0] != was_active[0]) || (active_[1] != was_active[1]))) return;
+    if (!changes_) return;
     const auto end_mass = [&](bool right, std::size_t lane) {
       const double h = 1.0 / pattern_.stretch[right ? last : 1];
       return inertia_[lane] * h / 2.0;  // rho L times the element's share of L
     };
     for (std::size_t lane = 0; lane < lane_count; ++lane) {
-      if (active_[0][lane] == was_active[0][lane] && active_[1][lane] == was_active[1][lane]) continue;
+      if (active_[0][lane] == was_active_[0][lane] && active_[1][lane] == was_active_[1][lane]) continue;
       double size = 0.0;
       for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(static_cast<double>(u_[i][lane])));
       for (const bool right : {false, true})
@@ -211,18 +165,18 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
               std::max({largest[lane], static_cast<double>(reaction_[right][lane]),
                         static_cast<double>(reaction_before_[right][lane]), end_mass(right, lane) * size / (dt * dt)});
       for (const bool right : {false, true})
-        if (was_active[right][lane] && !active_[right][lane]) {
-          was_active[right][lane] = false;
+        if (was_active_[right][lane] != 0.0 && active_[right][lane] == 0.0) {
+          was_active_[right][lane] = 0.0;
           tell(lane, t);
         }
       constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
       for (const bool right : {false, true}) {
-        if (!active_[right][lane] || was_active[right][lane]) continue;
+        if (active_[right][lane] == 0.0 || was_active_[right][lane] != 0.0) continue;
         const double velocity = p_[node(right)][lane];
         if (!(std::max(static_cast<double>(reaction_[right][lane]), end_mass(right, lane) * std::abs(velocity) / dt) >
               rounding * largest[lane]))
           continue;
-        was_active[right][lane] = true;
+        was_active_[right][lane] = 1.0;
         tell(lane, next);
       }
     }
@@ -259,14 +213,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   for (std::size_t step = 1;; ++step) {
     const double t = static_cast<double>(step) * dt, before = static_cast<double>(step - 1) * dt;
     const double whole = step < steps ? 1.0 : std::min((how.end - before) / dt, 1.0);
-    for (const bool right : {false, true}) {
-      if (!pattern_.contact[right]) continue;
-      const double s = pattern_.sign[right];
-      const Lanes earlier = step > 1 ? (1.0 - whole / 2) * reaction_before_[right] : Lanes(0.0);
-      accounts.impulse[right] += s * (dt * whole) * (earlier + whole / 2 * reaction_[right]);
-      accounts.peak[right] =
-          larger(accounts.peak[right], (1.0 - whole) * reaction_before_[right] + whole * reaction_[right]);
-    }
+    account(step == 1, whole, accounts);
     const bool tells = due(step, t);
     const bool fields =
         outputs.fields && told < outputs.times.size() && (outputs.times[told] <= t + dt || step + 1 >= steps);
@@ -277,32 +224,35 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
         for (const bool right : {false, true}) {
           const Lanes& p = p_[node(right)];
           u[right] = u_[node(right)] - (1.0 - theta) * dt * p;
-          v[right] = p + dt / 2 * (theta * end_a_[right] - (1.0 - theta) * end_a_before_[right]);
+          v[right] = p + 0.5 * (theta * end_x_[right] - (1.0 - theta) * end_x_before_[right]);
         }
         outputs.sample(told++, {u, v, reactions(theta)});
       }
     };
     if (tells && !outputs.fields) sample_ends();
     if (step == steps && !outputs.fields) break;
-    find_changes(step == steps ? std::numeric_limits<double>::infinity() : t, static_cast<double>(step + 1) * dt);
-    advance(fields);
+    const double next = static_cast<double>(step + 1) * dt;
+    find_changes(step == steps ? std::numeric_limits<double>::infinity() : t, next);
+    if (varying_ && step < steps) evaluate_load(next);
+    advance();
     if (tells && fields) {
       while (due(step, t)) {
         const double theta = std::min((outputs.times[told] - before) / dt, 1.0);
         for (std::size_t i = 0; i < n; ++i) {
           u[i] = u_now[i] - (1.0 - theta) * dt * p_now[i];
-          v[i] = p_now[i] + dt / 2 * (theta * a_[i] - (1.0 - theta) * a_before_[i]);
+          v[i] = p_now[i] + 0.5 * (theta * x_[i] - (1.0 - theta) * x_before_[i]);
         }
         outputs.sample(told++, {u, v, reactions(theta)});
       }
     }
     if (step == steps) break;
-    if (fields) std::swap(a_, a_before_);
-    balance_at(static_cast<double>(step + 1) * dt);
+    std::swap(x_, x_before_);
+    if (rebounds_) bound();
+    react();
   }
   for (std::size_t lane = 0; lane < lane_count; ++lane)
     accounts.finite[lane] =
-        std::isfinite(static_cast<double>(end_a_[0][lane])) && std::isfinite(static_cast<double>(end_a_[1][lane]));
+        std::isfinite(static_cast<double>(end_x_[0][lane])) && std::isfinite(static_cast<double>(end_x_[1][lane]));
   return true;
 }
 

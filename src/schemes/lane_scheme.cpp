@@ -3,52 +3,48 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
+#include <functional>
 
 namespace viscobar::bars {
 
 namespace {
 
 using std::experimental::where;
-using Mask = Lanes::mask_type;
 
 }  // namespace
 
 LaneScheme::LaneScheme(const Pattern& pattern) : pattern_(pattern), size_(pattern.size()) {
   assert(size_ >= 4);
-  for (auto* field : {&diagonal_, &off_, &multiplier_, &inverse_pivot_, &coupling_, &to_last_, &u_, &p_, &y_, &load_,
-                      &scaled_load_, &a_, &a_before_})
-    field->resize(size_);
+  for (auto* field : {&diagonal_, &off_, &u_, &p_, &y_, &load_, &scaled_load_, &x_, &x_before_}) field->resize(size_);
+  for (Elimination& one : eliminations_)
+    for (auto* field : {&one.multiplier, &one.inverse_pivot, &one.coupling, &one.to_far}) field->resize(size_);
   for (const bool right : {false, true})
     if (pattern.contact[right]) column_[right].resize(size_);
 }
 
 void LaneScheme::evaluate_load(double t) {
   std::ranges::fill(load_, Lanes(0.0));
+  const auto add = [&](const std::vector<LoadPart>& load, const Lanes& share) {
+    for (const LoadPart& part : load) {
+      const Lanes now = share * (part.history ? part.history(t) : 1.0);
+      for (std::size_t i = 0; i < size_; ++i) load_[i] += now * part.weights[i];
+    }
+  };
   if (shared_load_) {
-    for (const LoadPart& part : *shared_load_) {
-      const double now = part.history ? part.history(t) : 1.0;
-      for (std::size_t i = 0; i < size_; ++i) load_[i] += Lanes(now * part.weights[i]);
-    }
-    return;
-  }
-  for (std::size_t l = 0; l < lane_count; ++l) {
-    if (!own_loads_[l]) continue;
-    for (const LoadPart& part : *own_loads_[l]) {
-      const double now = part.history ? part.history(t) : 1.0;
-      for (std::size_t i = 0; i < size_; ++i) load_[i][l] = load_[i][l] + now * part.weights[i];
+    add(*shared_load_, 1.0);
+  } else {
+    for (std::size_t l = 0; l < lane_count; ++l) {
+      Lanes only = 0.0;
+      only[l] = 1.0;
+      if (own_loads_[l]) add(*own_loads_[l], only);
     }
   }
+  for (std::size_t i = 0; i < size_; ++i) scaled_load_[i] = load_[i] / scale_;
 }
 
-// Factor of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends:
-//
-//     row 0      (d_0 + f_0, o_0 + f_1, f_2)          x_0 = w_0 y_0
-//     row i      (o_{i-1}, d_i, o_i)                  x_i = w_i y_i - c_i x_{i-1},     y_i = b_i - m_i y_{i+1}
-//     row n-1    (l_2, o_{n-2} + l_1, d_{n-1} + l_0)
-//
-// f and l being the end rows of the mass: with them y_0 takes y_2 as well, and x_{n-1} x_{n-3}.
-bool LaneScheme::factorise(double damping, double elasticity) {
+// Matrix of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends, for kicks: a solution
+// is lever times what the matrix makes of a force.
+bool LaneScheme::factorise(double damping, double elasticity, double lever) {
   const std::size_t n = size_;
   const SymmetricTridiagonal& pattern = pattern_.inertia;
   const Lanes stiffness = damping * viscosity_ + elasticity * modulus_;
@@ -60,220 +56,212 @@ bool LaneScheme::factorise(double damping, double elasticity) {
   for (const bool right : {false, true})
     if (pattern_.mounted[right] && !pattern_.fixed(right))
       diagonal_[right ? n - 1 : 0] += mass_[right] + damping * dashpot_[right] + elasticity * spring_[right];
-  std::array<Lanes, 3> first{}, last{};
-  if (pattern.end_rows)
-    for (std::size_t k = 0; k < 3; ++k)
-      first[k] = pattern.end_rows->first[k] * inertia_, last[k] = pattern.end_rows->last[k] * inertia_;
+  const bool positive = eliminate(false, lever) && eliminate(true, lever);
 
-  Mask positive(true);
-  const auto pivot = [&](std::size_t i, const Lanes& value) {
-    positive = positive && value > 0.0;
-    inverse_pivot_[i] = 1.0 / value;
-  };
-  pivot(n - 1, diagonal_[n - 1] + last[0]);
-  coupling_[n - 1] = (off_[n - 2] + last[1]) * inverse_pivot_[n - 1];
-  last_skip_ = last[2] * inverse_pivot_[n - 1];
-  multiplier_[n - 1] = 0.0;
-  for (std::size_t i = n - 2; i > 0; --i) {
-    multiplier_[i] = off_[i] * inverse_pivot_[i + 1];
-    pivot(i, diagonal_[i] - off_[i] * coupling_[i + 1]);
-    const Lanes before = i == n - 2 ? off_[i - 1] - off_[i] * last_skip_ : off_[i - 1];
-    coupling_[i] = before * inverse_pivot_[i];
-  }
-  const Lanes beside = off_[0] + first[1] - first[2] * coupling_[2];
-  multiplier_[0] = beside * inverse_pivot_[1];
-  first_skip_ = first[2] * inverse_pivot_[2];
-  pivot(0, diagonal_[0] + first[0] - beside * coupling_[1]);
-  coupling_[0] = 0.0;
-
-  // x_{n-1} = sum to_last_i y_i
-  std::ranges::fill(to_last_, Lanes(0.0));
-  to_last_[n - 1] = 1.0;
-  for (std::size_t i = n - 1; i > 0; --i) {
-    to_last_[i - 1] -= coupling_[i] * to_last_[i];
-    if (i == n - 1) to_last_[i - 2] -= last_skip_ * to_last_[i];
-    to_last_[i] *= inverse_pivot_[i];
-  }
-  to_last_[0] *= inverse_pivot_[0];
-
+  const Elimination& own = eliminations_[false];
   for (const bool of : {false, true}) {
     if (!pattern_.contact[of]) continue;
     std::vector<Lanes>& x = column_[of];
     std::ranges::fill(x, Lanes(0.0));
     x[of ? n - 1 : 0] = pattern_.sign[of];
-    for (std::size_t i = n - 1; i-- > 0;) x[i] -= multiplier_[i] * x[i + 1];
-    x[0] -= first_skip_ * x[2];
+    for (std::size_t i = n - 1; i-- > 0;) x[i] -= own.multiplier[i] * x[i + 1];
+    x[0] -= own.near_skip * x[2];
     finish(x);
     for (const bool at : {false, true}) compliance_[at][of] = pattern_.sign[at] * x[at ? n - 1 : 0];
+    inverse_compliance_[of] = 1.0 / compliance_[of][of];
   }
-  for (std::size_t i = 0; i < n; ++i) inverse_pivot_[i] *= scale_, to_last_[i] *= scale_;
+  if (pattern_.contact[0] && pattern_.contact[1])
+    inverse_determinant_ = 1.0 / (compliance_[0][0] * compliance_[1][1] - compliance_[0][1] * compliance_[1][0]);
+  // From here on forces are in units of scale_.
+  for (Elimination& one : eliminations_)
+    for (std::size_t i = 0; i < n; ++i) one.inverse_pivot[i] *= scale_, one.to_far[i] *= scale_;
+  return positive;
+}
+
+// The rows counted from the near end:
+//
+//     row 0      (d_0 + f_0, o_0 + f_1, f_2)          x_0 = w_0 y_0
+//     row i      (o_{i-1}, d_i, o_i)                  x_i = w_i y_i - c_i x_{i-1},     y_i = b_i - m_i y_{i+1}
+//     row n-1    (l_2, o_{n-2} + l_1, d_{n-1} + l_0)
+//
+// f and l being the end rows of the mass: with them y_0 takes y_2 as well, and x_{n-1} x_{n-3}.
+bool LaneScheme::eliminate(bool right, double lever) {
+  const std::size_t n = size_;
+  Elimination& to = eliminations_[right];
+  const auto node = [&](std::size_t i) { return right ? n - 1 - i : i; };
+  const auto off = [&](std::size_t i) { return off_[right ? n - 2 - i : i]; };
+  std::array<Lanes, 3> first{}, last{};
+  if (const auto& rows = pattern_.inertia.end_rows)
+    for (std::size_t k = 0; k < 3; ++k) {
+      first[k] = (right ? rows->last : rows->first)[k] * inertia_;
+      last[k] = (right ? rows->first : rows->last)[k] * inertia_;
+    }
+  std::experimental::fixed_size_simd_mask<double, lane_count> positive(true);
+  const auto inverse_pivot = [&](std::size_t i) -> Lanes& { return to.inverse_pivot[node(i)]; };
+  const auto coupling = [&](std::size_t i) -> Lanes& { return to.coupling[node(i)]; };
+  const auto multiplier = [&](std::size_t i) -> Lanes& { return to.multiplier[node(i)]; };
+  const auto pivot = [&](std::size_t i, const Lanes& value) {
+    positive = positive && value > 0.0;
+    inverse_pivot(i) = 1.0 / value;
+  };
+  pivot(n - 1, diagonal_[node(n - 1)] + last[0]);
+  coupling(n - 1) = (off(n - 2) + last[1]) * inverse_pivot(n - 1);
+  to.far_skip = last[2] * inverse_pivot(n - 1);
+  multiplier(n - 1) = 0.0;
+  for (std::size_t i = n - 2; i > 0; --i) {
+    multiplier(i) = off(i) * inverse_pivot(i + 1);
+    pivot(i, diagonal_[node(i)] - off(i) * coupling(i + 1));
+    const Lanes before = i == n - 2 ? off(i - 1) - off(i) * to.far_skip : off(i - 1);
+    coupling(i) = before * inverse_pivot(i);
+  }
+  const Lanes beside = off(0) + first[1] - first[2] * coupling(2);
+  multiplier(0) = beside * inverse_pivot(1);
+  to.near_skip = first[2] * inverse_pivot(2);
+  pivot(0, diagonal_[node(0)] + first[0] - beside * coupling(1));
+  coupling(0) = 0.0;
+
+  // x_{n-1} = sum to_far_i y_i
+  const auto to_far = [&](std::size_t i) -> Lanes& { return to.to_far[node(i)]; };
+  std::ranges::fill(to.to_far, Lanes(0.0));
+  to_far(n - 1) = 1.0;
+  for (std::size_t i = n - 1; i > 0; --i) {
+    to_far(i - 1) -= coupling(i) * to_far(i);
+    if (i == n - 1) to_far(i - 2) -= to.far_skip * to_far(i);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    to.inverse_pivot[i] *= lever;
+    to.to_far[i] *= to.inverse_pivot[i];
+  }
   return std::experimental::all_of(positive);
 }
 
+// From y, eliminated towards the left end, to x.
 void LaneScheme::finish(std::span<Lanes> x) const {
+  const Elimination& own = eliminations_[false];
   const std::size_t n = size_;
-  x[0] *= inverse_pivot_[0];
-  for (std::size_t i = 1; i < n; ++i) x[i] = inverse_pivot_[i] * x[i] - coupling_[i] * x[i - 1];
-  x[n - 1] -= last_skip_ * x[n - 3];
+  x[0] *= own.inverse_pivot[0];
+  for (std::size_t i = 1; i < n; ++i) x[i] = own.inverse_pivot[i] * x[i] - own.coupling[i] * x[i - 1];
+  x[n - 1] -= own.far_skip * x[n - 3];
 }
 
-// The force -(E K u + eta K p) + load, divided by scale_, is made and eliminated in one sweep, from the last row on.
-// Per scale_ the stress of an element is a difference of q = u + (eta / E) p.
-void LaneScheme::sweep() {
-  if (loaded_)
-    for (std::size_t i = 0; i < size_; ++i) scaled_load_[i] = load_[i] / scale_;
-  const auto choose = [&](auto graded, auto loaded) {
-    if (pattern_.contact[1] || !fields_)
-      sweep_rows(graded, loaded, std::true_type{});
-    else
-      sweep_rows(graded, loaded, std::false_type{});
-  };
-  const auto choose_load = [&](auto graded) {
-    if (loaded_)
-      choose(graded, std::true_type{});
-    else
-      choose(graded, std::false_type{});
-  };
-  if (graded_)
-    choose_load(std::true_type{});
-  else
-    choose_load(std::false_type{});
-}
-
-template <class Graded, class Loaded, class ToLast>
-[[gnu::flatten]] void LaneScheme::sweep_rows(Graded, Loaded, ToLast) {
-  const std::size_t n = size_;
-  const double* stretch = pattern_.stretch.data();
-  const Lanes *u = u_.data(), *p = p_.data(), *load = scaled_load_.data(), *multiplier = multiplier_.data(),
-              *to_last = to_last_.data();
-  Lanes* y = y_.data();
-  const Lanes relaxation = relaxation_;
-  const auto stress = [&](std::size_t i, const Lanes& difference) {
-    if constexpr (Graded::value)
-      return stretch[i] * difference;
-    else
-      return difference;
-  };
-  Lanes here = u[n - 1] + relaxation * p[n - 1], beyond = 0.0;  // q_i, and the stress after node i
-  if (pattern_.fixed(true)) beyond = stress(n, wall_[1] - here);
-  if (pattern_.mounted[1]) beyond -= (spring_[1] * u[n - 1] + dashpot_[1] * p[n - 1]) / scale_;
-  Lanes eliminated = 0.0, last = 0.0;
-  for (std::size_t i = n - 1; i > 0; --i) {
-    const Lanes next = u[i - 1] + relaxation * p[i - 1], before = stress(i, here - next);
-    Lanes force = beyond - before;
-    if constexpr (Loaded::value) force += load[i];
-    eliminated = force - multiplier[i] * eliminated;
-    y[i] = eliminated;
-    if constexpr (ToLast::value) last += to_last[i] * eliminated;
-    here = next, beyond = before;
-  }
-  if (pattern_.fixed(false)) beyond -= stress(0, here - wall_[0]);
-  if (pattern_.mounted[0]) beyond -= (spring_[0] * u[0] + dashpot_[0] * p[0]) / scale_;
-  if constexpr (Loaded::value) beyond += load[0];
-  y[0] = beyond - multiplier[0] * eliminated - first_skip_ * y[2];
-  if constexpr (ToLast::value) last += to_last[0] * y[0];
-  last_ = last;
-}
-
-// Multipliers of s_X x_X >= bound_X from the excess of x without them, see EndConstraint.
-void LaneScheme::constrain(std::array<Lanes, 2> excess) {
-  const auto& contact = pattern_.contact;
-  for (const bool right : {false, true}) {
-    reaction_[right] = 0.0;
-    active_[right] = Mask(false);
-    if (contact[right]) active_[right] = excess[right] < 0.0;
-  }
-  if (!(contact[0] && contact[1])) {
-    for (const bool right : {false, true})
-      if (contact[right]) where(active_[right], reaction_[right]) = -excess[right] / compliance_[right][right];
-    return;
-  }
-  const Mask any = active_[0] || active_[1];
-  if (std::experimental::none_of(any)) return;
-  const Lanes &g00 = compliance_[0][0], &g11 = compliance_[1][1], &g01 = compliance_[0][1], &g10 = compliance_[1][0];
-  // The excess of either end, times the other's compliance, while the other alone is held at its bound.
-  const Lanes excess_0 = g11 * excess[0] - g01 * excess[1], excess_1 = g00 * excess[1] - g10 * excess[0];
-  const Mask left = excess[0] < 0.0 && excess_1 >= 0.0, right = !left && excess[1] < 0.0 && excess_0 >= 0.0;
-  const Mask both = any && !left && !right;
-  const Lanes determinant = g00 * g11 - g01 * g10;
-  where(left, reaction_[0]) = -excess[0] / g00;
-  where(right, reaction_[1]) = -excess[1] / g11;
-  where(both, reaction_[0]) = larger(-excess_0 / determinant, 0.0);
-  where(both, reaction_[1]) = larger(-excess_1 / determinant, 0.0);
-  active_ = {left || both, right || both};
-}
-
-// Finds the reactions and the accelerations of the ends such that s (u + dt (p + lever a)) lies above lower_.
-void LaneScheme::balance(double lever) {
-  sweep();
-  end_a_ = {inverse_pivot_[0] * y_[0], last_};
-  std::array<Lanes, 2> excess{};
+// s u^{n+1} stays above it: the gap, and the height of the rebound where there is one.
+void LaneScheme::bound() {
   for (const bool right : {false, true}) {
     if (!pattern_.contact[right]) continue;
     const std::size_t i = right ? size_ - 1 : 0;
     const double s = pattern_.sign[right];
-    bound_[right] = ((lower_[right] - s * u_[i]) / dt_ - s * p_[i]) / lever;
-    excess[right] = s * end_a_[right] - bound_[right];
+    lower_[right] = -gap_[right];
+    if (rebounds_) lower_[right] -= restitution_ * (gap_[right] + (s * u_[i] - dt_ * (s * p_[i])));
   }
-  constrain(excess);
-  for (const bool of : {false, true})
-    if (pattern_.contact[of])
-      for (const bool at : {false, true}) end_a_[at] += reaction_[of] * column_[of][at ? size_ - 1 : 0];
-  for (const bool right : {false, true})
-    if (pattern_.contact[right]) where(active_[right], end_a_[right]) = pattern_.sign[right] * bound_[right];
 }
 
-// From n to n + 1; with `keep` a_ is a^n, of held nodes but for rounding. Calls that lanes pass through cost more than
-// their arithmetic: all are inlined.
-[[gnu::flatten]] void LaneScheme::advance(bool keep) {
-  const std::size_t n = size_;
-  const double dt = dt_;
-  const bool left = pattern_.contact[0] && std::experimental::any_of(active_[0]),
-             right = pattern_.contact[1] && std::experimental::any_of(active_[1]);
-  std::array<Lanes, 2> held{};
-  for (const bool end : {false, true})
-    if (pattern_.contact[end]) held[end] = (lower_[end] - pattern_.sign[end] * u_[end ? n - 1 : 0]) / dt;
-  const Lanes *y = y_.data(), *inverse_pivot = inverse_pivot_.data(), *coupling = coupling_.data();
-  const Lanes *first = column_[0].data(), *last = column_[1].data();
-  const Lanes reaction_left = reaction_[0], reaction_right = reaction_[1];
-  Lanes *u = u_.data(), *p = p_.data(), *a = a_.data();
-  const auto rows = [&](auto of_left, auto of_right, auto kept) {
-    Lanes x = 0.0, before = 0.0, two_before = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      two_before = before, before = x;
-      x = inverse_pivot[i] * y[i] - coupling[i] * x;
-      if (i == n - 1) x -= last_skip_ * two_before;
-      Lanes whole = x;
-      if constexpr (decltype(of_left)::value) whole += reaction_left * first[i];
-      if constexpr (decltype(of_right)::value) whole += reaction_right * last[i];
-      if constexpr (decltype(kept)::value) a[i] = whole;
-      const Lanes moved = p[i] + dt * whole;
-      p[i] = moved;
-      u[i] += dt * moved;
+// Multipliers of s_X x_X >= bound_X from the excess of x without them, see EndConstraint.
+template <class V, class Get>
+void LaneScheme::constrain(const std::array<V, 2>& excess, Get&& get, std::array<V, 2>& reaction,
+                           std::array<V, 2>& active) const {
+  const auto& contact = pattern_.contact;
+  reaction = active = {V(0.0), V(0.0)};
+  if (!(contact[0] && contact[1])) {
+    const bool right = contact[1];
+    where(excess[right] < 0.0, active[right]) = 1.0;
+    where(excess[right] < 0.0, reaction[right]) = -excess[right] * get(inverse_compliance_[right]);
+    return;
+  }
+  if (none_of(excess[0] < 0.0 || excess[1] < 0.0)) return;
+  // The excess of either end, times the other's compliance, while the other alone is held at its bound.
+  const V excess_0 = get(compliance_[1][1]) * excess[0] - get(compliance_[0][1]) * excess[1],
+          excess_1 = get(compliance_[0][0]) * excess[1] - get(compliance_[1][0]) * excess[0];
+  const auto left = excess[0] < 0.0 && excess_1 >= 0.0, right = !left && excess[1] < 0.0 && excess_0 >= 0.0;
+  const auto both = (excess[0] < 0.0 || excess[1] < 0.0) && !left && !right;
+  where(left, reaction[0]) = -excess[0] * get(inverse_compliance_[0]);
+  where(right, reaction[1]) = -excess[1] * get(inverse_compliance_[1]);
+  where(both, reaction[0]) = max(-excess_0 * get(inverse_determinant_), V(0.0));
+  where(both, reaction[1]) = max(-excess_1 * get(inverse_determinant_), V(0.0));
+  where(left || both, active[0]) = 1.0;
+  where(right || both, active[1]) = 1.0;
+}
+
+// The velocity of the start, which an obstacle that touches lets pass away from it alone.
+void LaneScheme::project_start() {
+  std::array<Lanes, 2> least{}, excess{};
+  std::experimental::fixed_size_simd_mask<double, lane_count> held(false);
+  const SymmetricTridiagonal& pattern = pattern_.inertia;
+  const auto node = [this](bool right) { return right ? size_ - 1 : 0; };
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    const double s = pattern_.sign[right];
+    least[right] = (lower_[right] - s * u_[node(right)]) / dt_;
+    excess[right] = s * p_[node(right)] - least[right];
+    held = held || excess[right] < 0.0;
+  }
+  if (std::experimental::none_of(held)) return;
+  if (pattern.is_diagonal() || pattern_.massless[0] || pattern_.massless[1]) {
+    for (const bool right : {false, true}) {
+      if (!pattern_.contact[right]) continue;
+      const Lanes taken = larger(-excess[right], 0.0);
+      start_impulse_[right] += (pattern.diagonal[node(right)] * inertia_ + mass_[right]) * taken;
+      p_[node(right)] += pattern_.sign[right] * taken;
     }
-  };
-  const auto choose = [&](auto of_left, auto of_right) {
-    if (keep)
-      rows(of_left, of_right, std::true_type{});
-    else
-      rows(of_left, of_right, std::false_type{});
-  };
-  if (left && right)
-    choose(std::true_type{}, std::true_type{});
-  else if (left)
-    choose(std::true_type{}, std::false_type{});
-  else if (right)
-    choose(std::false_type{}, std::true_type{});
-  else
-    choose(std::false_type{}, std::false_type{});
-  for (const bool end : {false, true}) {
-    if (!pattern_.contact[end]) continue;
-    const std::size_t i = end ? n - 1 : 0;
-    const double s = pattern_.sign[end];
-    u[i] = s * larger(s * u[i], lower_[end]);
-    where(active_[end], p[i]) = s * held[end];
-    where(active_[end], u[i]) = s * lower_[end];
-    if (keep) where(active_[end], a[i]) = s * bound_[end];
+    return;
+  }
+  factorise(0.0, 0.0, 1.0);
+  constrain(excess, std::identity(), reaction_, active_);
+  for (const bool of : {false, true}) {
+    if (!pattern_.contact[of]) continue;
+    for (std::size_t i = 0; i < size_; ++i) p_[i] += reaction_[of] * column_[of][i];
+    where(active_[of] != 0.0, p_[node(of)]) = pattern_.sign[of] * least[of];
+    start_impulse_[of] += reaction_[of];
+  }
+}
+
+// Finds the reactions and the kicks of the ends such that s (u + dt (p + x)) lies above lower_. That of the near end
+// goes into y, which ends there.
+[[gnu::flatten]] void LaneScheme::react() {
+  const auto& contact = pattern_.contact;
+  changes_ = false;
+  if (!contact[0] && !contact[1]) return;
+  reaction_before_ = reaction_;
+  const double per_dt = 1.0 / dt_;
+  using Some = std::experimental::native_simd<double>;
+  for (std::size_t from = 0; from < lane_count; from += Some::size()) {
+    const auto get = [from](const Lanes& of) { return load_part<Some>(of, from); };
+    std::array<Some, 2> excess{}, limit{}, reaction, active;
+    for (const bool right : {false, true}) {
+      if (!contact[right]) continue;
+      const std::size_t i = right ? size_ - 1 : 0;
+      const double s = pattern_.sign[right];
+      limit[right] = (get(lower_[right]) - s * get(u_[i])) * per_dt - s * get(p_[i]);
+      excess[right] = s * get(end_x_[right]) - limit[right];
+    }
+    constrain(excess, get, reaction, active);
+    for (const bool at : {false, true}) {
+      Some x = get(end_x_[at]);
+      for (const bool of : {false, true})
+        if (contact[of]) x += reaction[of] * get(column_[of][at ? size_ - 1 : 0]);
+      if (contact[at]) {
+        where(active[at] != 0.0, x) = pattern_.sign[at] * limit[at];
+        store_part(limit[at], bound_[at], from);
+        store_part(reaction[at], reaction_[at], from);
+        store_part(active[at], active_[at], from);
+        changes_ |= any_of(active[at] != get(was_active_[at]));
+      }
+      store_part(x, end_x_[at], from);
+    }
+    if (contact[near_right_]) {
+      Lanes& y = y_[near_right_ ? size_ - 1 : 0];
+      store_part(get(y) + pattern_.sign[near_right_] * reaction[near_right_] / get(scale_), y, from);
+    }
+  }
+}
+
+// Impulses and peaks of the step that ends at n, or of a share of it; that of the start has its own impulse.
+[[gnu::flatten]] void LaneScheme::account(bool first, double whole, LaneAccounts& accounts) {
+  for (const bool right : {false, true}) {
+    if (!pattern_.contact[right]) continue;
+    const Lanes before = reaction_before_[right], now = reaction_[right];
+    accounts.impulse[right] +=
+        pattern_.sign[right] * dt_ * whole * ((first ? 0.0 : 1.0 - whole / 2) * before + whole / 2 * now);
+    accounts.peak[right] = larger(accounts.peak[right], (1.0 - whole) * before + whole * now);
   }
 }
 

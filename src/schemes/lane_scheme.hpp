@@ -14,6 +14,16 @@ namespace viscobar::bars {
 
 [[gnu::always_inline]] inline Lanes larger(const Lanes& a, const Lanes& b) { return std::experimental::max(a, b); }
 
+/// Some neighbouring lanes, as many as V has, from one on.
+template <class V>
+V load_part(const Lanes& lanes, std::size_t from) {
+  return V(reinterpret_cast<const double*>(&lanes) + from, std::experimental::element_aligned);
+}
+template <class V>
+void store_part(const V& part, Lanes& lanes, std::size_t from) {
+  part.copy_to(reinterpret_cast<double*>(&lanes) + from, std::experimental::element_aligned);
+}
+
 /// The part of a bar's equations that all bars in lanes share: M of density and length 1, and L / h of each element.
 struct Pattern {
   SymmetricTridiagonal inertia;    ///< n unknowns
@@ -81,26 +91,36 @@ class LaneScheme {
   bool run(std::span<const Member> bars, const Stepping& how, const LaneOutputs& outputs, LaneAccounts& accounts);
 
  private:
+  /// The factor of a step's matrix, its rows eliminated from the far end to the near one.
+  struct Elimination {
+    std::vector<Lanes> multiplier, inverse_pivot, coupling, to_far;
+    Lanes near_skip = 0.0, far_skip = 0.0;  // of y_2 in row 0, of x_{n-3} in row n-1, counted from the near end
+  };
+
   void load_bars(std::span<const Member> bars);
-  bool factorise(double damping, double elasticity);
+  bool factorise(double damping, double elasticity, double lever);
+  bool eliminate(bool right, double lever);
   void evaluate_load(double t);
-  void sweep();                           // first sweep of A x = F(u, p): y, and x_{n-1}
-  void finish(std::span<Lanes> x) const;  // second sweep
-  template <class Graded, class Loaded, class ToLast>
-  void sweep_rows(Graded, Loaded, ToLast);
-  void balance(double lever);
-  void advance(bool keep);
+  void finish(std::span<Lanes> x) const;
+  void bound();
+  void react();
+  template <class V, class Get>
+  void constrain(const std::array<V, 2>& excess, Get&& get, std::array<V, 2>& reaction, std::array<V, 2>& active) const;
+  void sweep();
+  void advance();
+  template <bool right, bool moving, bool reacting, bool general>
+  void pass();
   void start_from(bool second_order);
   void project_start();
   void settle_massless(bool right);
-  void constrain(std::array<Lanes, 2> excess);
+  void account(bool first, double whole, LaneAccounts& accounts);
 
   const Pattern& pattern_;
   std::size_t size_;
   double dt_ = 0.0;
-  Lanes restitution_ = 0.0;
 
   // Numbers of the bars.
+  Lanes restitution_ = 0.0;
   std::array<Lanes, 2> gap_, spring_, dashpot_, mass_, wall_;
   Lanes inertia_, modulus_, viscosity_;  // rho L, E / L, eta / L
   Lanes scale_, relaxation_;             // E / h, or E / L on a graded mesh; eta / E
@@ -108,15 +128,20 @@ class LaneScheme {
   std::vector<const std::vector<LoadPart>*> own_loads_;
   bool loaded_ = false, varying_ = false, rebounds_ = false, graded_ = false, fields_ = false;
 
-  // Factor of the step's matrix, eliminated from the last row on.
-  std::vector<Lanes> diagonal_, off_, multiplier_, inverse_pivot_, coupling_, to_last_;
-  Lanes first_skip_ = 0.0, last_skip_ = 0.0;  // of y_2 in row 0, of x_{n-3} in row n-1
-  std::array<std::vector<Lanes>, 2> column_;  // A^{-1} s e of a contact
+  // Factor of the step's matrix, towards the left and towards the right end.
+  std::vector<Lanes> diagonal_, off_;
+  std::array<Elimination, 2> eliminations_;
+  std::array<std::vector<Lanes>, 2> column_;  // lever A^{-1} s e of a contact
   std::array<std::array<Lanes, 2>, 2> compliance_;
-  std::vector<Lanes> u_, p_, y_, load_, scaled_load_, a_, a_before_;
-  Lanes last_;  // x_{n-1} without contacts
-  std::array<Lanes, 2> lower_, bound_, reaction_, reaction_before_, start_impulse_, end_a_, end_a_before_;
-  std::array<Lanes::mask_type, 2> active_;
+  std::array<Lanes, 2> inverse_compliance_;
+  Lanes inverse_determinant_;
+
+  // The step from n to n + 1: y is the force, eliminated towards the near end, x = dt a^n the kick.
+  bool near_right_ = false;
+  std::vector<Lanes> u_, p_, y_, load_, scaled_load_, x_, x_before_;
+  std::array<Lanes, 2> lower_, bound_, reaction_{}, reaction_before_{}, start_impulse_, end_x_, end_x_before_;
+  std::array<Lanes, 2> active_{}, was_active_{};  // 1 where an end is held, else 0
+  bool changes_ = false;                          // some are not as they were
 };
 
 }  // namespace viscobar::bars
