@@ -23,8 +23,23 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
     for (std::size_t k = 0; k < output.times.size(); ++k) looks.push_back({output.times[k], i, k});
     if (output.kind == Kind::final) looks.push_back({run.end, i, 0});
   }
-  for (std::size_t j = judged ? 0 : BarValues::probes - 1; j < BarValues::probes; ++j)
-    looks.push_back({run.end * static_cast<double>(j + 1) / BarValues::probes, Look::probe, j});
+  // Probes lie at times of the finest output, or between them.
+  constexpr double probes = BarValues::probes;
+  double every = run.end;
+  for (const EnsembleOutput& output : outputs)
+    if (output.times.size() > 2) every = std::min(every, output.times[1]);
+  if (run.end > probes * every) intervals = static_cast<std::size_t>(std::ceil(run.end / (probes * every)));
+  period = intervals > 1 ? static_cast<double>(intervals) * every
+                         : every / std::floor(probes * every / run.end * (1.0 + 1e-12));
+  const auto count = static_cast<std::size_t>(run.end / period * (1.0 + 1e-12));
+  const std::size_t asked = looks.size();
+  for (std::size_t j = 0; judged && j < std::min(count, BarValues::probes); ++j) {
+    double time = std::min(period * static_cast<double>(j + 1), run.end);
+    for (std::size_t k = 0; k < asked; ++k)  // the same to the bit
+      if (std::abs(looks[k].time - time) < 1e-12 * run.end) time = looks[k].time;
+    looks.push_back({time, Look::probe, j});
+  }
+  looks.push_back({run.end, Look::probe, BarValues::probes});
   looks.push_back({0.0, Look::probe, BarValues::probes});  // a run has two times at least
   std::ranges::stable_sort(looks, {}, &Look::time);
   for (const Look& one : looks)
@@ -33,29 +48,32 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
 
 BarValues::BarValues(const Layout& layout) : values(layout.width, std::numeric_limits<double>::quiet_NaN()) {}
 
-std::size_t BarValues::look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at) {
+void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, const Fields& at, std::size_t k,
+          double* to) {
   using Kind = EnsembleOutput::Kind;
+  if (output.kind == Kind::trace) {
+    to[k] = ColumnReader(output.column, 0.0, layout.mesh, bar)(at);
+  } else if (output.kind == Kind::gauge) {
+    Mesh mesh = layout.mesh;
+    mesh.length = bar.length;
+    const Gauge::Reading reading = Gauge(mesh, bar, output.place)(at.u, at.v);
+    to[4 * k] = reading.u, to[4 * k + 1] = reading.v, to[4 * k + 2] = reading.strain, to[4 * k + 3] = reading.stress;
+  } else {
+    std::ranges::copy(at.u, to);
+    std::ranges::copy(at.v, to + at.u.size());
+  }
+}
+
+std::size_t BarValues::look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at) {
   const double time = layout.looks[look].time;
   for (; look < layout.looks.size() && layout.looks[look].time == time; ++look) {
     const auto [when, i, k] = layout.looks[look];
-    if (i == Layout::Look::probe) {
-      if (k < probes) ends[0][k] = at.u.front(), ends[1][k] = at.u.back();
-      largest = std::max({largest, std::abs(at.u.front()), std::abs(at.u.back())});
+    if (i != Layout::Look::probe) {
+      read(layout, layout.outputs[i], bar, at, k, &values[layout.first[i]]);
       continue;
     }
-    const EnsembleOutput& output = layout.outputs[i];
-    double* to = &values[layout.first[i]];
-    if (output.kind == Kind::trace) {
-      to[k] = ColumnReader(output.column, 0.0, layout.mesh, bar)(at);
-    } else if (output.kind == Kind::gauge) {
-      Mesh mesh = layout.mesh;
-      mesh.length = bar.length;
-      const Gauge::Reading reading = Gauge(mesh, bar, output.place)(at.u, at.v);
-      to[4 * k] = reading.u, to[4 * k + 1] = reading.v, to[4 * k + 2] = reading.strain, to[4 * k + 3] = reading.stress;
-    } else {
-      std::ranges::copy(at.u, to);
-      std::ranges::copy(at.v, to + at.u.size());
-    }
+    if (k < probes) ends[0][k] = at.u.front(), ends[1][k] = at.u.back();
+    largest = std::max({largest, std::abs(at.u.front()), std::abs(at.u.back())});
   }
   return look;
 }

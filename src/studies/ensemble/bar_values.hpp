@@ -31,6 +31,9 @@ struct Layout {
   bool fields = false;             // all nodes are looked at, not the ends alone
   bool reactions = false, extremes = false, impulses = false;
   std::size_t most_changes = 0;
+  // Between probes, in which so many intervals of the finest output lie.
+  double period;
+  std::size_t intervals = 1;
   Mesh mesh;  // of length 1
 };
 
@@ -44,18 +47,23 @@ struct Fields {
 struct BarValues {
   static constexpr std::size_t probes = 64;
 
+  BarValues() = default;  // without values
   explicit BarValues(const Layout& layout);
   /// At layout.times[t], the looks from `look` on; returns the first of the next time.
   std::size_t look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at);
   void changes_at(const Layout& layout, std::span<const double> times);
   void accounts(const Layout& layout, const std::array<double, 2>& impulse, const std::array<double, 2>& peak);
 
-  std::vector<double> values;                      // layout.width
-  std::array<std::array<double, probes>, 2> ends;  // u at times j end / probes, j from 1 on
+  std::vector<double> values;                        // layout.width
+  std::array<std::array<double, probes>, 2> ends{};  // u at times j period, j from 1 on
   std::vector<double> changes;
   std::array<double, 2> impulse{};
   double largest = 0.0;  // |u| of probes and start
 };
+
+/// Writes what an output of a bar is in a state: the k-th number of a trace, the k-th four of a gauge, or all nodes.
+void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, const Fields& at, std::size_t k,
+          double* to);
 
 /// The largest difference of two runs of a bar, as EnsembleStudy::error.
 double difference(const Layout& layout, const BarValues& a, const BarValues& b, double end);

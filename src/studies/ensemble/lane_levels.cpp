@@ -9,9 +9,11 @@ namespace viscobar::bars {
 
 namespace {
 
-constexpr double least_order = 0.7, most_order = 1.5;  // (2.8) has 2, and less where contacts decide
-constexpr double safety = 1.4, rounding = 1e-12, share_of_steps = 0.03;
-constexpr std::size_t crossing = 8;  // two runs by rigid cost less than those up to the next level
+constexpr double safety = 1.5, margin = 1.1, rounding = 1e-12, share_of_steps = 0.025;
+constexpr double fits = 1.5;        // times the difference that order 2 tells beforehand
+constexpr double crossing = 16384;  // steps; two runs by rigid cost less than more of them
+
+double lane(const Lanes& lanes, std::size_t l) { return reinterpret_cast<const double*>(&lanes)[l]; }
 
 }  // namespace
 
@@ -24,30 +26,44 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
       stop_(stop),
       tell_(std::move(tell)),
       alone_(std::move(alone)),
-      scheme_(*members.pattern()) {}
+      scheme_(*members.pattern()),
+      values_(layout.width, Lanes(std::numeric_limits<double>::quiet_NaN())) {}
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
-  const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
-  if (shared_.error && level + 2 > crossing && shared_.rigid_beside) return alone_(bar);
-  waiting_[level].push_back({bar, std::move(own)});
+  waiting_[shared_.error ? first_level(own.member.bar) : 0].push_back({bar, std::move(own)});
 }
 
-std::size_t LaneLevels::steps_at(std::size_t level) const {
-  return shared_.error ? base_steps << level
-                       : static_cast<std::size_t>(std::ceil(shared_.end / shared_.step * (1.0 - 1e-12)));
+std::size_t LaneLevels::multiple(std::size_t level) {
+  return level < 4 ? level + 1 : (4 + (level + 1) % 4) << ((level + 1) / 4 - 1);
 }
 
 double LaneLevels::step_at(std::size_t level) const {
-  return shared_.error ? shared_.end / static_cast<double>(steps_at(level)) : shared_.step;
+  return shared_.error ? layout_.period / static_cast<double>(multiple(level)) : shared_.step;
+}
+
+std::size_t LaneLevels::steps_at(std::size_t level) const {
+  return static_cast<std::size_t>(std::ceil(shared_.end / step_at(level) * (1.0 - 1e-12)));
+}
+
+// At the end of a step a displacement has no error of interpolation, which is of first order where an end stops.
+bool LaneLevels::meets_outputs(std::size_t level) const {
+  constexpr std::size_t too_many = 64;
+  return layout_.intervals > too_many || multiple(level) % layout_.intervals == 0;
+}
+
+// The first with so many steps.
+std::size_t LaneLevels::level_of(double steps) const {
+  const double wanted = steps * layout_.period / shared_.end * (1.0 - 1e-12);
+  std::size_t level = 0;
+  while (level < most_level && static_cast<double>(multiple(level)) < wanted) ++level;
+  return level;
 }
 
 // The first of three: the last is about what most bars take.
 std::size_t LaneLevels::first_level(const Bar& bar) const {
   const double h = bar.length / static_cast<double>(shared_.elements);
   const double transit = h / std::sqrt(bar.modulus / bar.density);
-  const double wanted = shared_.end / transit * share_of_steps / std::sqrt(*shared_.error);
-  const double level = std::ceil(std::log2(std::max(wanted / base_steps, 1.0)));
-  return static_cast<std::size_t>(std::clamp(level, 0.0, static_cast<double>(most_level - 2)));
+  return std::min(level_of(shared_.end / transit * share_of_steps / std::sqrt(*shared_.error)), most_level - 4);
 }
 
 void LaneLevels::run() {
@@ -63,12 +79,12 @@ void LaneLevels::run() {
         if (!values[l]) {
           alone_(bar.bar);
         } else if (!shared_.error) {
-          tell_(bar.bar, {std::move(values[l]), std::numeric_limits<double>::quiet_NaN(), steps_at(level)});
-        } else if (!bar.coarse || bar.coarse_level + 1 != level) {
+          told(bar.bar, l, std::move(values[l]), std::numeric_limits<double>::quiet_NaN(), level);
+        } else if (!bar.coarse) {
           bar.coarse = std::move(values[l]), bar.coarse_level = level;
-          waiting_[level + 1].push_back(std::move(bar));
+          waiting_[level_of(2.0 * static_cast<double>(steps_at(level)))].push_back(std::move(bar));
         } else {
-          judge(std::move(bar), std::move(values[l]), level);
+          judge(std::move(bar), l, std::move(values[l]), level);
         }
       }
     }
@@ -76,70 +92,100 @@ void LaneLevels::run() {
   }
 }
 
-// Two runs differ by (2^p - 1) of the error of the finer one, p the order that three runs show.
-void LaneLevels::judge(Waiting bar, std::unique_ptr<BarValues> fine, std::size_t level) {
+void LaneLevels::told(std::size_t bar, std::size_t lane_of, std::unique_ptr<BarValues> values, double error,
+                      std::size_t level) {
+  values->values.resize(layout_.width);
+  for (std::size_t k = 0; k < layout_.width; ++k) values->values[k] = lane(values_[k], lane_of);
+  values->changes_at(layout_, accounts_.changes[lane_of]);
+  values->accounts(layout_, values->impulse, {lane(accounts_.peak[0], lane_of), lane(accounts_.peak[1], lane_of)});
+  tell_(bar, {std::move(values), error, steps_at(level)});
+}
+
+// Two runs with n and r n steps differ by r^p - 1 times the error of the finer one. The order p is 2 where the run
+// before them fits that, else 1.
+void LaneLevels::judge(Waiting bar, std::size_t lane_of, std::unique_ptr<BarValues> fine, std::size_t level) {
   const double now = difference(layout_, *bar.coarse, *fine, shared_.end);
-  if (bar.difference && now > 0.0) bar.order = std::clamp(std::log2(*bar.difference / now), least_order, most_order);
-  const double order = bar.order.value_or(least_order);
-  const double found = std::max(safety * now / (std::exp2(order) - 1.0), rounding);
-  const bool kept = found <= *shared_.error;
+  const double ratio = static_cast<double>(steps_at(level)) / static_cast<double>(steps_at(bar.coarse_level));
+  const double second = now / (ratio * ratio - 1.0), first = now / (ratio - 1.0);
+  const bool by_changes = layout_.most_changes > 0;  // they are at ends of steps
+  const double expected = bar.error ? *bar.error / (ratio * ratio) : 0.0;
+  const bool of_order_2 = bar.error && !by_changes && second <= fits * expected;
+  const double found = std::max({safety * (of_order_2 ? second : first), expected, rounding});
+  const bool kept = found <= *shared_.error && meets_outputs(level);
   if (kept || level == most_level) {
     if (!kept && shared_.rigid_beside) return alone_(bar.bar);
-    return tell_(bar.bar, {std::move(fine), found, steps_at(level)});
+    return told(bar.bar, lane_of, std::move(fine), found, level);
   }
-  const double more = bar.difference ? std::ceil(std::log2(found / *shared_.error) / order) : 1.0;
-  bar.difference = now;
-  const std::size_t next = level + static_cast<std::size_t>(std::clamp(more, 1.0, 30.0));
-  if (next > crossing && shared_.rigid_beside) return alone_(bar.bar);
-  const std::size_t target = std::min(next, most_level), onward = target <= level + 1 ? target : target - 1;
-  if (onward == target)
-    bar.coarse = std::move(fine), bar.coarse_level = level;
-  else
-    bar.difference.reset();
-  waiting_[onward].push_back(std::move(bar));
+  const double more = by_changes ? safety * first / *shared_.error : std::sqrt(safety * second / *shared_.error);
+  const double steps = std::clamp(margin * more, 1.4, 64.0) * static_cast<double>(steps_at(level));
+  if (steps > crossing && shared_.rigid_beside) return alone_(bar.bar);
+  std::size_t next = std::max(level_of(steps), level + 1);
+  while (next < most_level && !meets_outputs(next)) ++next;
+  bar.error = second;
+  bar.coarse = std::move(fine), bar.coarse_level = level;
+  waiting_[next].push_back(std::move(bar));
+}
+
+void LaneLevels::look(std::span<const Waiting> pack, const LaneSample& at) {
+  const Pattern& pattern = *members_.pattern();
+  std::array<Lanes, 2> u = {at.u.front(), at.u.back()}, v = {at.v.front(), at.v.back()};
+  for (const bool right : {false, true}) {
+    if (!pattern.fixed(right)) continue;
+    for (std::size_t l = 0; l < lane_count; ++l)
+      u[right][l] = pack[std::min(l, pack.size() - 1)].own.member.wall[right];
+    v[right] = 0.0;
+  }
+  const double time = layout_.looks[next_look_].time;
+  for (; next_look_ < layout_.looks.size() && layout_.looks[next_look_].time == time; ++next_look_) {
+    const auto [when, i, k] = layout_.looks[next_look_];
+    if (i == Layout::Look::probe) {
+      if (k < BarValues::probes) ends_[0][k] = u[0], ends_[1][k] = u[1];
+      largest_ = larger(largest_, larger(abs(u[0]), abs(u[1])));
+      continue;
+    }
+    const EnsembleOutput& output = layout_.outputs[i];
+    Lanes* const to = &values_[layout_.first[i]];
+    if (output.kind == EnsembleOutput::Kind::trace) {
+      const std::array<Lanes, 6> columns = {u[0], v[0], at.reaction[0], u[1], v[1], at.reaction[1]};
+      to[k] = columns[static_cast<std::size_t>(output.column)];
+      continue;
+    }
+    const std::size_t n = pattern.size(), before = pattern.fixed(false), after = pattern.fixed(true);
+    u_.assign(n + before + after, 0.0), v_.assign(n + before + after, 0.0), reading_.resize(output.width());
+    for (std::size_t l = 0; l < pack.size(); ++l) {
+      for (std::size_t j = 0; j < n; ++j) u_[j + before] = lane(at.u[j], l), v_[j + before] = lane(at.v[j], l);
+      for (const bool right : {false, true})
+        if (pattern.fixed(right)) (right ? u_.back() : u_.front()) = lane(u[right], l);
+      const bool gauge = output.kind == EnsembleOutput::Kind::gauge;
+      read(layout_, output, pack[l].own.member.bar, {u_, v_, 0.0, 0.0}, 0, reading_.data());
+      const std::size_t first = gauge ? 4 * k : 0, count = gauge ? 4 : output.width();
+      for (std::size_t j = 0; j < count; ++j) to[first + j][l] = reading_[j];
+    }
+  }
 }
 
 // Null where a bar has no sound run.
 std::vector<std::unique_ptr<BarValues>> LaneLevels::run_pack(std::span<const Waiting> pack, std::size_t level) {
   std::vector<Member> members;
-  std::vector<std::unique_ptr<BarValues>> values;
-  for (const Waiting& bar : pack) {
-    members.push_back(bar.own.member);
-    values.push_back(std::make_unique<BarValues>(layout_));
-  }
-  const Pattern& pattern = *members_.pattern();
-  const std::size_t n = pattern.size();
-  const bool fields = layout_.fields;
-  const std::size_t before = fields && pattern.fixed(false) ? 1 : 0, after = fields && pattern.fixed(true) ? 1 : 0;
-  std::vector<double> u(fields ? n + before + after : 2), v(u);
-  std::size_t look = 0;
+  for (const Waiting& bar : pack) members.push_back(bar.own.member);
   LaneOutputs outputs;
   outputs.times = layout_.times;
-  outputs.fields = fields;
+  outputs.fields = layout_.fields;
   outputs.most_changes = layout_.most_changes;
-  outputs.sample = [&](std::size_t, const LaneSample& at) {
-    std::size_t next = look;
-    for (std::size_t l = 0; l < pack.size(); ++l) {
-      for (std::size_t i = 0; i < at.u.size(); ++i) u[i + before] = at.u[i][l], v[i + before] = at.v[i][l];
-      if (pattern.fixed(false)) u.front() = members[l].wall[0], v.front() = 0.0;
-      if (pattern.fixed(true)) u.back() = members[l].wall[1], v.back() = 0.0;
-      next = values[l]->look(layout_, members[l].bar, look, {u, v, at.reaction[0][l], at.reaction[1][l]});
-    }
-    look = next;
-  };
-  LaneAccounts accounts;
+  outputs.sample = [&](std::size_t, const LaneSample& at) { look(pack, at); };
+  next_look_ = 0, largest_ = 0.0;
   const bool second_order = shared_.error || shared_.start == Start::second_order;
-  const bool definite = scheme_.run(members, {step_at(level), shared_.end, second_order}, outputs, accounts);
-  for (std::size_t l = 0; l < pack.size(); ++l) {
-    if (!definite || !accounts.finite[l]) {
-      values[l].reset();
-      continue;
+  const bool definite = scheme_.run(members, {step_at(level), shared_.end, second_order}, outputs, accounts_);
+  std::vector<std::unique_ptr<BarValues>> values(pack.size());
+  for (std::size_t l = 0; definite && l < pack.size(); ++l) {
+    if (!accounts_.finite[l]) continue;
+    values[l] = std::make_unique<BarValues>();
+    BarValues& one = *values[l];
+    for (const bool right : {false, true}) {
+      for (std::size_t k = 0; k < BarValues::probes; ++k) one.ends[right][k] = lane(ends_[right][k], l);
+      one.impulse[right] = lane(accounts_.impulse[right], l);
     }
-    const auto of_lane = [l](const std::array<Lanes, 2>& ends) {
-      return std::array<double, 2>{ends[0][l], ends[1][l]};
-    };
-    values[l]->changes_at(layout_, accounts.changes[l]);
-    values[l]->accounts(layout_, of_lane(accounts.impulse), of_lane(accounts.peak));
+    one.changes = accounts_.changes[l], one.largest = lane(largest_, l);
   }
   return values;
 }

@@ -21,8 +21,8 @@ struct Shared {
   bool rigid_beside;  ///< a bar that wants too many steps may run by `rigid`
 };
 
-/// Runs bars side by side, by (2.8). With a wanted error a bar runs on levels of 2^k steps, and is judged by the last
-/// two or three of them; without one it runs once.
+/// Runs bars side by side, by (2.8). With a wanted error a bar runs with n and 2n steps, and then with as many as its
+/// error seems to ask for; without one it runs once.
 class LaneLevels {
  public:
   /// All outlive it. `tell` is given the bars that are done, `alone` those that must run by themselves.
@@ -34,24 +34,29 @@ class LaneLevels {
   void run();
 
  private:
-  // Steps double from level to level; level 0 has that of the scene, without a request.
-  static constexpr std::size_t base_steps = 16, most_level = 11;
+  // Of n, 2 n, 3 n, 4 n, 5 n, 6 n, 7 n, 8 n, 10 n, 12 n, ... steps, n a period of the layout each; without a request
+  // there is one level, that of the scene.
+  static constexpr std::size_t most_level = 40;
 
   struct Waiting {
     std::size_t bar;
     OwnMember own;
+    // The finest run so far, its level, and its error in second order as it and the run before tell.
     std::unique_ptr<BarValues> coarse{};
     std::size_t coarse_level = 0;
-    // How far the last two runs differ, and the order that three of neighbouring levels show.
-    std::optional<double> difference{};
-    std::optional<double> order{};
+    std::optional<double> error{};
   };
 
-  std::size_t steps_at(std::size_t level) const;
+  static std::size_t multiple(std::size_t level);
   double step_at(std::size_t level) const;
+  std::size_t steps_at(std::size_t level) const;
+  bool meets_outputs(std::size_t level) const;
+  std::size_t level_of(double steps) const;
   std::size_t first_level(const Bar& bar) const;
   std::vector<std::unique_ptr<BarValues>> run_pack(std::span<const Waiting> pack, std::size_t level);
-  void judge(Waiting bar, std::unique_ptr<BarValues> fine, std::size_t level);
+  void look(std::span<const Waiting> pack, const LaneSample& at);
+  void told(std::size_t bar, std::size_t lane, std::unique_ptr<BarValues> values, double error, std::size_t level);
+  void judge(Waiting bar, std::size_t lane, std::unique_ptr<BarValues> fine, std::size_t level);
 
   const Members& members_;
   const Layout& layout_;
@@ -61,6 +66,14 @@ class LaneLevels {
   std::function<void(std::size_t)> alone_;
   LaneScheme scheme_;
   std::array<std::vector<Waiting>, most_level + 1> waiting_;  // of each level
+
+  // Of the pack that ran last: the values of its bars, and what tells their error.
+  std::vector<Lanes> values_;
+  std::array<std::array<Lanes, BarValues::probes>, 2> ends_{};
+  Lanes largest_;
+  LaneAccounts accounts_;
+  std::size_t next_look_ = 0;
+  std::vector<double> u_, v_, reading_;  // of one bar, where all of its nodes are looked at
 };
 
 }  // namespace viscobar::bars
