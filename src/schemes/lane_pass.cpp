@@ -66,7 +66,7 @@ template <bool right, bool moving, bool reacting, bool general>
     };
     const auto pull = [&](bool end, std::size_t k) {  // of springs and dashpots
       if (!pattern_.mounted[end]) return Part(0.0);
-      return Part((get(spring_[end]) * get(u_of[k]) + get(dashpot_[end]) * get(p_of[k])) / get(scale_));
+      return Part((get(spring_[end]) * get(u_of[k]) + get(dashpot_[end]) * get(p_of[k])) * get(inverse_scale_));
     };
     const auto stress = [&](std::size_t element, const Part& difference) {
       if constexpr (general) return Part(graded_ ? stretch[element] * difference : difference);

@@ -43,6 +43,7 @@ void LaneScheme::load_bars(std::span<const Member> bars) {
   const std::vector<double>& stretch = pattern_.stretch;
   graded_ = !std::ranges::all_of(stretch, [&](double one) { return one == 0.0 || one == stretch[1]; });
   scale_ = graded_ ? modulus_ : stretch[1] * modulus_;
+  inverse_scale_ = 1.0 / scale_;
   relaxation_ = viscosity_ / modulus_;
   own_loads_.clear();
   for (std::size_t l = 0; l < lane_count; ++l) own_loads_.push_back(bars[std::min(l, bars.size() - 1)].load);
@@ -72,6 +73,12 @@ void LaneScheme::settle_massless(bool right) {
     where(undamped, u_[end]) = s * larger(s * (u_[next] + rest_stretch(0.0, 0.0, 0.0)), -gap_[right]);
   const Lanes stretch = rest_stretch(dt_, u_[end] - u_[next], viscosity_ / dt_);
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
+}
+
+[[gnu::flatten]] Lanes LaneScheme::largest_displacements() const {
+  Lanes largest = 0.0;
+  for (const Lanes& u : u_) largest = larger(largest, abs(u));
+  return largest;
 }
 
 void LaneScheme::start_from(bool second_order) {
@@ -151,14 +158,14 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   };
   const auto find_changes = [&](double t, double next) {
     if (!changes_) return;
+    const Lanes sizes = largest_displacements();
     const auto end_mass = [&](bool right, std::size_t lane) {
       const double h = 1.0 / pattern_.stretch[right ? last : 1];
       return inertia_[lane] * h / 2.0;  // rho L times the element's share of L
     };
     for (std::size_t lane = 0; lane < lane_count; ++lane) {
       if (active_[0][lane] == was_active_[0][lane] && active_[1][lane] == was_active_[1][lane]) continue;
-      double size = 0.0;
-      for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(static_cast<double>(u_[i][lane])));
+      const double size = sizes[lane];
       for (const bool right : {false, true})
         if (pattern_.contact[right])
           largest[lane] =

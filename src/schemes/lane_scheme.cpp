@@ -39,7 +39,7 @@ void LaneScheme::evaluate_load(double t) {
       if (own_loads_[l]) add(*own_loads_[l], only);
     }
   }
-  for (std::size_t i = 0; i < size_; ++i) scaled_load_[i] = load_[i] / scale_;
+  for (std::size_t i = 0; i < size_; ++i) scaled_load_[i] = load_[i] * inverse_scale_;
 }
 
 // Matrix of rho M + damping eta K + elasticity E K with springs, dashpots and masses of the ends, for kicks: a solution
@@ -156,13 +156,12 @@ void LaneScheme::bound() {
 }
 
 // Multipliers of s_X x_X >= bound_X from the excess of x without them, see EndConstraint.
-template <class V, class Get>
+template <bool on_left, bool on_right, class V, class Get>
 void LaneScheme::constrain(const std::array<V, 2>& excess, Get&& get, std::array<V, 2>& reaction,
                            std::array<V, 2>& active) const {
-  const auto& contact = pattern_.contact;
   reaction = active = {V(0.0), V(0.0)};
-  if (!(contact[0] && contact[1])) {
-    const bool right = contact[1];
+  if constexpr (!(on_left && on_right)) {
+    constexpr bool right = on_right;
     where(excess[right] < 0.0, active[right]) = 1.0;
     where(excess[right] < 0.0, reaction[right]) = -excess[right] * get(inverse_compliance_[right]);
     return;
@@ -205,7 +204,7 @@ void LaneScheme::project_start() {
     return;
   }
   factorise(0.0, 0.0, 1.0);
-  constrain(excess, std::identity(), reaction_, active_);
+  by_contacts([&](auto left, auto right) { constrain<left, right>(excess, std::identity(), reaction_, active_); });
   for (const bool of : {false, true}) {
     if (!pattern_.contact[of]) continue;
     for (std::size_t i = 0; i < size_; ++i) p_[i] += reaction_[of] * column_[of][i];
@@ -216,42 +215,48 @@ void LaneScheme::project_start() {
 
 // Finds the reactions and the kicks of the ends such that s (u + dt (p + x)) lies above lower_. That of the near end
 // goes into y, which ends there.
-[[gnu::flatten]] void LaneScheme::react() {
-  const auto& contact = pattern_.contact;
-  changes_ = false;
-  if (!contact[0] && !contact[1]) return;
-  reaction_before_ = reaction_;
-  const double per_dt = 1.0 / dt_;
+template <bool on_left, bool on_right>
+[[gnu::flatten]] void LaneScheme::react_at() {
+  constexpr std::array<bool, 2> contact = {on_left, on_right};
   using Some = std::experimental::native_simd<double>;
+  const double per_dt = 1.0 / dt_;
+  const std::array<std::size_t, 2> node = {0, size_ - 1};
+  const std::array<double, 2> sign = pattern_.sign;
+  bool changes = false;
   for (std::size_t from = 0; from < lane_count; from += Some::size()) {
     const auto get = [from](const Lanes& of) { return load_part<Some>(of, from); };
     std::array<Some, 2> excess{}, limit{}, reaction, active;
     for (const bool right : {false, true}) {
       if (!contact[right]) continue;
-      const std::size_t i = right ? size_ - 1 : 0;
-      const double s = pattern_.sign[right];
-      limit[right] = (get(lower_[right]) - s * get(u_[i])) * per_dt - s * get(p_[i]);
+      const double s = sign[right];
+      limit[right] = (get(lower_[right]) - s * get(u_[node[right]])) * per_dt - s * get(p_[node[right]]);
       excess[right] = s * get(end_x_[right]) - limit[right];
     }
-    constrain(excess, get, reaction, active);
+    constrain<on_left, on_right>(excess, get, reaction, active);
     for (const bool at : {false, true}) {
       Some x = get(end_x_[at]);
       for (const bool of : {false, true})
-        if (contact[of]) x += reaction[of] * get(column_[of][at ? size_ - 1 : 0]);
+        if (contact[of]) x += reaction[of] * get(column_[of][node[at]]);
       if (contact[at]) {
-        where(active[at] != 0.0, x) = pattern_.sign[at] * limit[at];
+        where(active[at] != 0.0, x) = sign[at] * limit[at];
         store_part(limit[at], bound_[at], from);
         store_part(reaction[at], reaction_[at], from);
         store_part(active[at], active_[at], from);
-        changes_ |= any_of(active[at] != get(was_active_[at]));
+        changes |= any_of(active[at] != get(was_active_[at]));
       }
       store_part(x, end_x_[at], from);
     }
     if (contact[near_right_]) {
-      Lanes& y = y_[near_right_ ? size_ - 1 : 0];
-      store_part(get(y) + pattern_.sign[near_right_] * reaction[near_right_] / get(scale_), y, from);
+      Lanes& y = y_[node[near_right_]];
+      store_part(get(y) + sign[near_right_] * reaction[near_right_] * get(inverse_scale_), y, from);
     }
   }
+  changes_ = changes;
+}
+
+void LaneScheme::react() {
+  reaction_before_ = reaction_;
+  by_contacts([&](auto left, auto right) { react_at<left, right>(); });
 }
 
 // Impulses and peaks of the step that ends at n, or of a share of it; that of the start has its own impulse.

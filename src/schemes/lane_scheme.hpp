@@ -103,8 +103,20 @@ class LaneScheme {
   void evaluate_load(double t);
   void finish(std::span<Lanes> x) const;
   void bound();
+  /// Calls f with two constants, which of the ends have an obstacle, where any has.
+  template <class F>
+  void by_contacts(F&& f) const {
+    if (pattern_.contact[0] && pattern_.contact[1])
+      f(std::true_type(), std::true_type());
+    else if (pattern_.contact[0])
+      f(std::true_type(), std::false_type());
+    else if (pattern_.contact[1])
+      f(std::false_type(), std::true_type());
+  }
   void react();
-  template <class V, class Get>
+  template <bool on_left, bool on_right>
+  void react_at();
+  template <bool on_left, bool on_right, class V, class Get>
   void constrain(const std::array<V, 2>& excess, Get&& get, std::array<V, 2>& reaction, std::array<V, 2>& active) const;
   void sweep();
   void advance();
@@ -113,6 +125,7 @@ class LaneScheme {
   void start_from(bool second_order);
   void project_start();
   void settle_massless(bool right);
+  Lanes largest_displacements() const;
   void account(bool first, double whole, LaneAccounts& accounts);
 
   const Pattern& pattern_;
@@ -122,8 +135,8 @@ class LaneScheme {
   // Numbers of the bars.
   Lanes restitution_ = 0.0;
   std::array<Lanes, 2> gap_, spring_, dashpot_, mass_, wall_;
-  Lanes inertia_, modulus_, viscosity_;  // rho L, E / L, eta / L
-  Lanes scale_, relaxation_;             // E / h, or E / L on a graded mesh; eta / E
+  Lanes inertia_, modulus_, viscosity_;       // rho L, E / L, eta / L
+  Lanes scale_, inverse_scale_, relaxation_;  // E / h, or E / L on a graded mesh; eta / E
   const std::vector<LoadPart>* shared_load_ = nullptr;
   std::vector<const std::vector<LoadPart>*> own_loads_;
   bool loaded_ = false, varying_ = false, rebounds_ = false, graded_ = false, fields_ = false;

@@ -22,7 +22,11 @@ namespace {
 using namespace bars;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t chunk = 512;  // bars that a thread takes at a time
+
+// Bars that a thread takes at a time: many, since those of one number of steps fill a pack or not; enough for all.
+std::size_t chunk_of(std::size_t bars, std::size_t threads) {
+  return std::clamp<std::size_t>(bars / (8 * (threads == 0 ? cores() : threads)), 256, 2048);
+}
 
 /// True where the scene leaves the method open, and wants the motion that `rigid` and (2.8) have in the limit.
 bool wants_limit(const Case& run) {
@@ -32,7 +36,8 @@ bool wants_limit(const Case& run) {
 /// One call of ensemble().
 class EnsembleRun {
  public:
-  explicit EnsembleRun(const EnsembleStudy& study) : study_(study), bars_(count_of(study)), first_(first_setup()) {
+  explicit EnsembleRun(const EnsembleStudy& study)
+      : study_(study), bars_(count_of(study)), chunk_(chunk_of(bars_, study.threads)), first_(first_setup()) {
     if (study.error && !(*study.error > 0.0 && *study.error < 1.0))
       throw std::invalid_argument(fmt::format("error: is a share between 0 and 1, is {}", *study.error));
     const Case& run = first_.run;
@@ -55,7 +60,7 @@ class EnsembleRun {
 
   EnsembleResult operator()() {
     try {
-      parallel_for((bars_ + chunk - 1) / chunk, [this](std::size_t k) { run_chunk(k); }, study_.threads);
+      parallel_for((bars_ + chunk_ - 1) / chunk_, [this](std::size_t k) { run_chunk(k); }, study_.threads);
       if (study_.progress) study_.progress(bars_, bars_);
     } catch (const Stopped&) {
     }
@@ -119,7 +124,7 @@ class EnsembleRun {
   }
 
   void run_chunk(std::size_t k) {
-    const std::size_t begin = k * chunk, end = std::min(bars_, begin + chunk);
+    const std::size_t begin = k * chunk_, end = std::min(bars_, begin + chunk_);
     if (!members_) {
       for (std::size_t i = begin; i < end; ++i) run_alone(i);
       return;
@@ -212,13 +217,13 @@ class EnsembleRun {
   void end_bar(std::size_t i, BarStatus status) {
     result_.status[i] = status;
     const std::size_t done = ++done_;
-    if (!study_.progress || done % chunk != 0) return;
+    if (!study_.progress || done % 512 != 0) return;
     const std::lock_guard lock(mutex_);
     study_.progress(done, bars_);
   }
 
   const EnsembleStudy& study_;
-  std::size_t bars_;
+  std::size_t bars_, chunk_;
   Setup first_;
   std::optional<Layout> layout_;
   std::optional<Members> members_;

@@ -10,8 +10,8 @@ namespace viscobar::bars {
 namespace {
 
 constexpr double safety = 1.5, margin = 1.1, rounding = 1e-12, share_of_steps = 0.025;
-constexpr double fits = 1.5;        // times the difference that order 2 tells beforehand
-constexpr double crossing = 16384;  // steps; two runs by rigid cost less than more of them
+constexpr double fits = 1.5;       // times the difference that order 2 tells beforehand
+constexpr double crossing = 8192;  // steps; two runs by rigid cost less than more of them
 
 double lane(const Lanes& lanes, std::size_t l) { return reinterpret_cast<const double*>(&lanes)[l]; }
 
@@ -30,7 +30,10 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
       values_(layout.width, Lanes(std::numeric_limits<double>::quiet_NaN())) {}
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
-  waiting_[shared_.error ? first_level(own.member.bar) : 0].push_back({bar, std::move(own)});
+  const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
+  if (shared_.error && shared_.rigid_beside && 4.0 * static_cast<double>(steps_at(level)) > crossing)
+    return alone_(bar);
+  waiting_[level].push_back({bar, std::move(own)});
 }
 
 std::size_t LaneLevels::multiple(std::size_t level) {
