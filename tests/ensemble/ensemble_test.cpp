@@ -113,7 +113,10 @@ TEST(Ensemble, AStopLeavesTheRestNotRun) {
   study.progress = [&](std::size_t now, std::size_t) { done = now; };
   study.stop = [&] { return done > 0; };
   const EnsembleResult found = ensemble(study);
-  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(found.status, BarStatus::not_run)), 4000 - done);
+  // The bars beside the one that is told as done are so, too.
+  const auto left = static_cast<std::size_t>(std::ranges::count(found.status, BarStatus::not_run));
+  EXPECT_LE(left, 4000 - done);
+  EXPECT_GT(left + 16, 4000 - done);
   EXPECT_GT(done, 0u);
   EXPECT_LT(done, 4000u);
 }

@@ -1,5 +1,5 @@
 // Prints the tables of docs/ensembles.md. Run:
-// build/release/tests/measure_ensemble [speed | memory BARS | orders | errors SCENES SEED]
+// build/release/tests/measure_ensemble [speed [J T] | memory BARS | orders | errors SCENES SEED]
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 #include <fmt/format.h>
@@ -41,7 +41,9 @@ Timed timed(EnsembleStudy study, std::size_t bars) {
   study.outputs = told;
   study.threads = 1;
   for (auto& list : study.values) list = list.first(bars);
-  run.rate = static_cast<double>(bars) / seconds_of([&] { run.result = ensemble(study); });
+  std::array<double, 3> rates;
+  for (double& rate : rates) rate = static_cast<double>(bars) / seconds_of([&] { run.result = ensemble(study); });
+  run.rate = median(rates);
   return run;
 }
 
@@ -98,14 +100,15 @@ double by_odeint(const TextEnsemble& made, double error, std::size_t bars) {
 // Bars a second and core: of the ensemble; of a loop over the library's (2.8) with as many steps, and over rigid at a
 // tenth of the error, each with what the ensemble tells; of the cases of a sweep by rigid, without their files; and of
 // Boost.Odeint at a tenth of the error.
-void speed() {
+void speed(std::size_t only_elements, double only_end) {
   fmt::print(
       "| J | T | error | ensemble | in lanes | steps, median | (2.8) | ratio | rigid | ratio | sweep | ratio | odeint | "
       "ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double end : {2.0, 6.0})
     for (const std::size_t elements : {10, 16, 24, 32, 50})
       for (const double error : {1e-2, 1e-3, 1e-4, 1e-6}) {
-        const std::size_t bars = error < 1e-5 ? 1024 : 8192, few = 256, fewest = 32;
+        if (only_elements > 0 && (elements != only_elements || end != only_end)) continue;
+        const std::size_t bars = error < 1e-5 ? 512 : 8192, few = 128, fewest = 16;
         const TextEnsemble made = thrown_bars(elements, end, bars);
         EnsembleStudy study = made.study();
         study.error = error;
@@ -245,7 +248,7 @@ int main(int argc, char** argv) {
   const auto number = [&](int k, unsigned long otherwise) {
     return argc > k ? std::strtoul(argv[k], nullptr, 10) : otherwise;
   };
-  if (what == "speed") speed();
+  if (what == "speed") speed(number(2, 0), static_cast<double>(number(3, 6)));
   if (what == "memory") memory(number(2, 1'000'000));
   if (what == "orders") orders(512);
   if (what == "errors") errors(number(2, 100), static_cast<unsigned>(number(3, 1)));
