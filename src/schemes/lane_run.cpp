@@ -154,10 +154,10 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   std::array<double, lane_count> largest{};
   const auto tell = [&](std::size_t lane, double t) {
     if (t > how.end) return;
-    if (accounts.change_count[lane]++ < outputs.most_changes) accounts.changes[lane].push_back(t);
+    if (accounts.changes[lane].size() < outputs.most_changes) accounts.changes[lane].push_back(t);
   };
   const auto find_changes = [&](double t, double next) {
-    if (!changes_) return;
+    if (!changes_ || outputs.most_changes == 0) return;
     const Lanes sizes = largest_displacements();
     const auto end_mass = [&](bool right, std::size_t lane) {
       const double h = 1.0 / pattern_.stretch[right ? last : 1];

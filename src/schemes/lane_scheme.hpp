@@ -64,7 +64,6 @@ struct LaneSample {
 struct LaneAccounts {
   std::array<Lanes, 2> impulse{}, peak{};
   std::array<std::vector<double>, lane_count> changes;  ///< times of contact changes
-  std::array<std::size_t, lane_count> change_count{};   ///< of all, told or not
   std::array<bool, lane_count> finite{};
 };
 
