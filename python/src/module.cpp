@@ -346,7 +346,7 @@ void bind_runs(py::module_& m) {
              const auto rows = static_cast<py::ssize_t>(self.rows());
              std::vector<py::array_t<double>> columns(names.size());
              for (auto& column : columns) column = py::array_t<double>(rows);
-             const std::vector<Gauge> gauges = make_gauges(run.gauges, self.recording.mesh, run.scene.bar);
+             const std::vector<Gauge> gauges = make_gauges(run.gauges, self.recording.mesh, run.scene);
              for (std::size_t k = 0; k < self.rows(); ++k)
                for (std::size_t i = 0; i < gauges.size(); ++i) {
                  const auto [u, v, strain, stress] =

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
@@ -19,6 +21,32 @@ bool is_scheme(MethodName method) { return method_row(method).accuracy == Accura
 bool is_penalised(MethodName method) { return method_row(method).penalised; }
 
 bool is_adaptive(MethodName method) { return method_row(method).accuracy == Accuracy::tolerances; }
+
+Mesh Case::mesh() const {
+  if (scene.chain.empty())
+    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}, nodes, {}};
+  const std::size_t sum = std::accumulate(bar_elements.begin(), bar_elements.end(), std::size_t{0});
+  std::vector<std::size_t> members(scene.chain.size(), 0);
+  std::vector<double> places{0.0};
+  double begin = 0.0;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    const Member& member = scene.chain[m];
+    if (m > 0 && scene.chain[m - 1].joint.kind != JointKind::bonded) places.push_back(places.back());
+    if (member.rigid()) continue;
+    const double share =
+        static_cast<double>(bar_elements[m]) * static_cast<double>(elements) / static_cast<double>(sum);
+    members[m] = sum == elements ? bar_elements[m] : std::max<std::size_t>(1, std::llround(share));
+    for (std::size_t j = 1; j <= members[m]; ++j)
+      places.push_back((begin + member.bar.length * static_cast<double>(j) / static_cast<double>(members[m])) /
+                       scene.bar.length);
+    begin += member.bar.length;
+  }
+  return {scene.bar.length,
+          places.size() - 1,
+          {},
+          std::make_shared<const std::vector<double>>(std::move(places)),
+          std::make_shared<const std::vector<std::size_t>>(std::move(members))};
+}
 
 std::vector<double> Case::output_times() const {
   std::vector<double> times;

@@ -67,6 +67,7 @@ std::string chatter_warning(const Setup& setup, const BarSystem& system, const C
   const std::optional<ContactRegime> regime = found == regimes.end() ? std::nullopt : std::optional(*found);
   const std::string place = chatter.where == Where::left    ? "the left end"
                             : chatter.where == Where::right ? "the right end"
+                            : chatter.where == Where::joint ? fmt::format("joint {}", chatter.node)
                                                             : fmt::format("node {} of the span", chatter.node);
   const std::string ratio =
       regime && regime->damping_ratio ? fmt::format(", damping ratio zeta = {:.3g}", *regime->damping_ratio) : "";

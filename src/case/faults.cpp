@@ -139,6 +139,15 @@ const char* unlike_rows(const Case& run) {
 }
 
 void check_end_rows(const Case& run, Findings& findings) {
+  if (!run.scene.chain.empty()) {
+    if (!fourth_order_fits(run))
+      findings.report(
+          "mesh.mass",
+          "\"fourth_order\" takes bars of 3 elements or more each, none more than {} times its neighbour by int "
+          "dx / A; give those that have fewer more (bar.1.elements), or use \"consistent\"",
+          largest_jump);
+    return;
+  }
   if (run.elements < 3)
     findings.report("mesh.elements", "mass \"fourth_order\" needs at least 3 elements: its end rows reach three nodes");
   else if (!fourth_order_fits(run) && findings.sound({"bar.length", "bar.section", "mesh.nodes"}))
@@ -168,6 +177,97 @@ void check_section(const Case& run, Findings& findings) {
     if (!(std::isfinite(area) && area > 0.0))
       return findings.report("bar.section", "must be finite and positive, is {} at x = {}", printable(area), x);
   }
+}
+
+// A joint's key, from 1.
+std::string joint_key(std::size_t k, std::string_view leaf) { return fmt::format("joint.{}.{}", k, leaf); }
+
+void check_members(const Case& run, Findings& findings) {
+  const std::vector<Member>& chain = run.scene.chain;
+  for (std::size_t m = 0; m < chain.size(); ++m) {
+    const Member& member = chain[m];
+    const auto key = [m](std::string_view leaf) { return fmt::format("bar.{}.{}", m + 1, leaf); };
+    for (const bool velocity : {false, true})
+      for (const double x : {0.0, member.bar.length})
+        if (const double value = velocity ? member.velocity(x) : member.displacement(x); !std::isfinite(value))
+          findings.report(key(velocity ? "velocity" : "displacement"), "is {} at x = {}", printable(value), x);
+    for (int k = 0; k <= 200 && member.section; ++k)
+      if (const double x = member.bar.length * k / 200.0, area = member.section(x);
+          !(std::isfinite(area) && area > 0.0)) {
+        findings.report(key("section"), "must be finite and positive, is {} at x = {}", printable(area), x);
+        break;
+      }
+    if (m + 1 == chain.size()) break;
+    const Joint& joint = member.joint;
+    const double apart = chain[m + 1].displacement(0.0) - member.displacement(member.bar.length);
+    if (joint.kind == JointKind::contact && apart + joint.gap < 0.0)
+      findings.report(joint_key(m + 1, "gap"), "is {}, and the initial displacements overlap there by {}", joint.gap,
+                      -apart);
+    if (joint.kind == JointKind::bonded && std::abs(apart) > 1e-9 * run.scene.bar.length)
+      findings.report(
+          key("displacement"),
+          "leaves a gap of {} to the next bar, and the two are bonded: that has one displacement at the joint", apart);
+  }
+}
+
+// What several bars in line do not go together with yet.
+void check_chain(const Setup& setup, Findings& findings) {
+  const Case& run = setup.run;
+  const Scene& scene = run.scene;
+  const auto refuse = [&](bool there, const char* key, const char* what) {
+    if (there) findings.report(key, "{} and several bars in line do not go together yet", what);
+  };
+  refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
+  refuse(run.grading != 1.0, "mesh.grading", "graded elements");
+  refuse(static_cast<bool>(run.nodes), "mesh.nodes", "given nodes");
+  refuse(!run.directions.empty(), "sensitivity.of", "sensitivities");
+  for (const bool right : {false, true}) {
+    const EndCondition& end = right ? scene.right : scene.left;
+    const EndInput& input = right ? scene.right_input : scene.left_input;
+    if (input.motion)
+      refuse(true,
+             is_obstacle(end) ? (right ? "right.gap" : "left.gap")
+             : right          ? "right.motion"
+                              : "left.motion",
+             "an end or an obstacle that moves");
+    refuse((right ? scene.chain.back() : scene.chain.front()).rigid() && !std::holds_alternative<Free>(end),
+           right ? "right.kind" : "left.kind", "a fixed end or an obstacle at a rigid body");
+  }
+  if (run.method == MethodName::characteristics || run.method == MethodName::finite_difference)
+    findings.report("method.name",
+                    "{} takes one bar; for several in line use rigid, arkode, cvode, ida, odeint, "
+                    "exponential or fully_discrete",
+                    name(run.method));
+  if ((setup.mass == Mass::redistributed || setup.mass == Mass::paper) && findings.sound({"mesh.mass", "method.name"}))
+    findings.report("mesh.mass",
+                    "\"{}\" does not fit several bars in line; use \"fourth_order\", \"consistent\" or "
+                    "\"lumped\"",
+                    name(setup.mass));
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k) {
+    const Joint& joint = scene.chain[k].joint;
+    if (joint.kind != JointKind::contact) continue;
+    const MethodName method = run.method;
+    if (method == MethodName::exponential || method == MethodName::fully_discrete)
+      findings.report("method.name", "{} has no contacts at joints yet; use rigid, arkode, cvode, ida or odeint",
+                      name(method));
+    if (joint.stop && !joint.stop->linear())
+      findings.report(joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
+                      "\"{}\" is no law for the contact of a joint yet; use \"spring_damper\", or leave the law out",
+                      name(joint.stop->law));
+    if (joint.stop && !method_row(method).takes_laws && findings.sound({"method.name"}))
+      findings.report(
+          joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
+          "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "
+          "out",
+          name(joint.stop->law), name(method));
+    if (method != MethodName::rigid) continue;
+    refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
+    if (scene.chain[k].rigid() && scene.chain[k + 1].rigid())
+      findings.report(joint_key(k + 1, "kind"),
+                      "is between two rigid bodies, which rigid does not take yet; use arkode or "
+                      "cvode with a contact.epsilon");
+  }
+  check_members(run, findings);
 }
 
 void check_memory(const Case& run, Findings& findings) {
@@ -296,7 +396,10 @@ std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& 
   }
   check_input("left", scene.left, scene.left_input, setup, findings);
   check_input("right", scene.right, scene.right_input, setup, findings);
-  check_grading(setup, findings);
+  if (!scene.chain.empty())
+    check_chain(setup, findings);
+  else
+    check_grading(setup, findings);
   check_section(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);

@@ -117,6 +117,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
   double falling = 0.0;  // the velocity that leads deepest into the span obstacle
   for (const Contact& contact : system.contacts()) {
+    if (contact.joint > 0) continue;
     const double v = contact.sign * start.v[contact.unknown];
     if (contact.where == Where::span) {
       falling = std::min(falling, v);
@@ -186,7 +187,7 @@ Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop
   Observers observers;
   observers.event = [&](const Event& event) {
     if (found.chatters && watch.heard(event)) found.chatters = true;
-    if (event.change != Change::closing || known(event.where) != impacts.end()) return;
+    if (event.change != Change::closing || event.where == Where::joint || known(event.where) != impacts.end()) return;
     const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
     const bool moves = event.where != Where::span && input.motion;
     const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
@@ -261,7 +262,7 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   double mass = 0.0;
   bool obstacle = false;
   for (const Contact& contact : system.contacts()) {
-    if (contact.where == Where::span || system.stop(contact)) continue;
+    if (!contact.at_end() || system.stop(contact)) continue;
     obstacle = true;
     mass = std::max(mass, system.effective_masses()[contact.unknown]);
   }

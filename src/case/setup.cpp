@@ -8,6 +8,7 @@
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
 #include "discretisation/gauss.hpp"
+#include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/case/case.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 
 bool redistributes(const Case& run) {
   const std::size_t massless = bare_obstacles(run.scene);
-  return massless > 0 && !run.scene.span && run.elements > massless;
+  return massless > 0 && !run.scene.span && run.scene.chain.empty() && run.elements > massless;
 }
 
 // Under a span obstacle neighbours meet it one after the other. Where what they do then does not die out, for they are
@@ -34,6 +35,16 @@ bool fourth_order_fits(const Case& run) {
   if (run.elements < 3) return false;
   if (run.rows_alike()) return true;
   const Mesh mesh = run.mesh();
+  if (!run.scene.chain.empty())
+    return std::ranges::all_of(pieces_of(run.scene, mesh), [](const Piece& piece) {
+      if (piece.rigid() || !piece.section) return piece.rigid() || piece.mesh.elements >= 3;
+      bool fits = piece.mesh.elements >= 3;
+      for (std::size_t j = 1; j < piece.mesh.elements; ++j) {
+        const auto [least, most] = std::minmax(piece.stretch(j - 1), piece.stretch(j));
+        fits &= most <= largest_jump * least;
+      }
+      return fits;
+    });
   const auto stretch = [&](std::size_t j) {
     const double half = 0.5 * mesh.element(j), middle = mesh.node(j) + half;
     if (!run.scene.section) return 2.0 * half;
@@ -137,7 +148,7 @@ AutomaticMethod automatic_method(const Case& run) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
-  if (scene.bar.viscosity > 0.0) return {MethodName::rigid, ""};
+  if (scene.bar.viscosity > 0.0 || !scene.chain.empty()) return {MethodName::rigid, ""};
   if (!validate(scene).empty()) return {MethodName::characteristics, ""};
   const auto rigid_because = [](const std::string& why) {
     return AutomaticMethod{

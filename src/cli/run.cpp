@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -35,7 +36,7 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   constexpr std::size_t most = 6;
   std::string text;
   std::size_t shown = 0, more = 0;
-  std::optional<Event> closed[2];
+  std::map<std::string, Event> closed;
   const auto tell = [&](const Event& from, const Event* to) {
     if (shown == most) return void(++more);
     ++shown;
@@ -47,14 +48,13 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   };
   for (const Event& event : events) {
     if (event.where == Where::span) continue;
-    auto& begun = closed[event.where == Where::right];
+    const auto begun = closed.find(place(event));
     if (event.change == Change::closing)
-      begun = event;
-    else if (begun)
-      tell(*begun, &event), begun.reset();
+      closed.insert_or_assign(place(event), event);
+    else if (begun != closed.end())
+      tell(begun->second, &event), closed.erase(begun);
   }
-  for (const auto& lasting : closed)
-    if (lasting) tell(*lasting, nullptr);
+  for (const auto& [where, lasting] : closed) tell(lasting, nullptr);
   if (more > 0) text += row("", "and {} more contacts", more);
   return text;
 }

@@ -40,7 +40,8 @@ void LaneFactor::find_order(const SymmetricTridiagonal& matrix) {
   std::size_t begin = middle, end = middle;
   while (begin > 1 && alike(begin - 1)) --begin;
   while (end + 1 < n && alike(end)) ++end;
-  if (matrix.end_rows) begin = std::max<std::size_t>(begin, 3), end = std::min(end, n - 3);  // their entries stay
+  if (!matrix.one_sided.empty())
+    begin = std::max<std::size_t>(begin, 3), end = std::min(end, n - 3);  // their entries stay
   if (end < begin + fewest_rows * lane_count) return;
   const std::size_t rest = (end - begin) % lane_count;
   order_.first = begin + rest / 2;
@@ -77,7 +78,9 @@ void LaneFactor::condense(const SymmetricTridiagonal& matrix, double e) {
   const double through = reach_ == m ? e * from_left_[m - 1] : 0.0;  // -e^2 (T^{-1})_{0,m-1}
   condensed_.diagonal.resize(n);
   condensed_.off_diagonal.resize(n - 1);
-  condensed_.end_rows = matrix.end_rows;
+  condensed_.one_sided = matrix.one_sided;
+  for (OneSidedRow& one : condensed_.one_sided)
+    if (one.row > 0) one.row = n - 1;
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t row = i < first ? i : i < separators_end ? first : i + skipped;
     condensed_.diagonal[i] = matrix.diagonal[row];

@@ -92,7 +92,7 @@ SymmetricTridiagonal parabolic(const Functions& functions) {
     above[i] = (p2 + a * p1) / (b * (a + b));
     matrix.diagonal[i] = p0 - below[i - 1] - above[i];
   }
-  above.front() = below.front(), below.back() = above.back();  // symmetric there: matrix.end_rows holds the difference
+  above.front() = below.front(), below.back() = above.back();  // symmetric there: one-sided rows hold the difference
   for (std::size_t i = 0; i < last; ++i) {
     matrix.off_diagonal[i] = 0.5 * (above[i] + below[i]);
     matrix.skew[i] = 0.5 * (above[i] - below[i]);
@@ -106,9 +106,7 @@ SymmetricTridiagonal parabolic(const Functions& functions) {
     const double first = (p1 * (a + b) - p2) / (a * b), second = (p2 - a * p1) / ((a + b) * b);
     return {beside - first - second, first - beside, second};
   };
-  matrix.end_rows.emplace();
-  matrix.end_rows->first = end_row(false);
-  matrix.end_rows->last = end_row(true);
+  matrix.one_sided = {{0, false, end_row(false)}, {last, true, end_row(true)}};
   return matrix;
 }
 
@@ -134,7 +132,7 @@ SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSecti
     matrix.diagonal.front() = matrix.diagonal.back() = 5 * h / 12;
     matrix.off_diagonal.assign(n - 1, h / 12);
     const std::array<double, 3> slope = {-h / 8, h / 6, -h / 24};
-    matrix.end_rows = EndRows{slope, slope};
+    matrix.one_sided = {{0, false, slope}, {n - 1, true, slope}};
     return matrix;
   }
   matrix.diagonal.assign(n, 0.0);

@@ -8,7 +8,8 @@ namespace viscobar {
 double Mesh::smallest() const {
   if (!given) return uniform() || grading.left ? element(0) : element(elements - 1);
   double least = length;
-  for (std::size_t j = 0; j < elements; ++j) least = std::min(least, element(j));
+  for (std::size_t j = 0; j < elements; ++j)
+    if (const double size = element(j); size > 0.0) least = std::min(least, size);
   return least;
 }
 

@@ -1,29 +1,31 @@
 #include "viscobar/discretisation/tridiagonal.hpp"
 
+#include <Eigen/Dense>
 #include <cassert>
 #include <stdexcept>
 
 namespace viscobar {
 
-EndRows EndRows::times(double factor) const {
-  EndRows rows = *this;
-  for (auto* row : {&rows.first, &rows.last})
-    for (double& entry : *row) entry *= factor;
-  return rows;
-}
-
 SymmetricTridiagonal& SymmetricTridiagonal::operator*=(double factor) {
   for (std::vector<double>* entries : {&diagonal, &off_diagonal, &skew})
     for (double& entry : *entries) entry *= factor;
-  if (end_rows) end_rows = end_rows->times(factor);
+  for (OneSidedRow& one : one_sided)
+    for (double& entry : one.entries) entry *= factor;
   return *this;
 }
 
 double SymmetricTridiagonal::diagonal_entry(std::size_t i) const {
   double entry = diagonal[i];
-  if (end_rows && i == 0) entry += end_rows->first[0];
-  if (end_rows && i + 1 == size()) entry += end_rows->last[0];
+  for (const OneSidedRow& one : one_sided)
+    if (one.row == i) entry += one.entries[0];
   return entry;
+}
+
+std::array<double, 3> SymmetricTridiagonal::end_row(bool last) const {
+  std::array<double, 3> row = one_sided_entries(last ? size() - 1 : 0, last);
+  row[0] += last ? diagonal.back() : diagonal.front();
+  if (!off_diagonal.empty()) row[1] += last ? off_diagonal.back() : off_diagonal.front();
+  return row;
 }
 
 void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double> out) const {
@@ -41,9 +43,7 @@ void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double>
     out[i] += skew[i] * x[i + 1];
     out[i + 1] -= skew[i] * x[i];
   }
-  if (!end_rows) return;
-  out[0] += end_rows->first_times(x);
-  out[n - 1] += end_rows->last_times(x);
+  for (const OneSidedRow& one : one_sided) out[one.row] += one.times(x);
 }
 
 double SymmetricTridiagonal::quadratic_form(std::span<const double> x) const {
@@ -58,8 +58,8 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   inverse_pivot_.resize(n);
   lower_.resize(matrix.off_diagonal.size());
   upper_.resize(matrix.skew.size());
-  ends_.reset();
-  if (matrix.end_rows) return factorise_ends(matrix);
+  patches_.clear();
+  if (!matrix.one_sided.empty() || !matrix.ties.empty()) return factorise_patched(matrix);
   bool positive = true;
   for (std::size_t i = 0; i < n && lower_.empty(); ++i) {
     positive &= matrix.diagonal[i] > 0.0;
@@ -79,36 +79,59 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   if (!positive) throw std::domain_error("tridiagonal matrix is not positive definite");
 }
 
-void TridiagonalFactor::factorise_ends(const SymmetricTridiagonal& matrix) {
+void TridiagonalFactor::factorise_patched(const SymmetricTridiagonal& matrix) {
   const std::size_t n = matrix.size();
-  assert(n >= 3 && matrix.off_diagonal.size() + 1 == n);
-  const auto& [first, last] = *matrix.end_rows;
-  const std::vector<double>& d = matrix.diagonal;
-  Ends& ends = ends_.emplace();
-  bool positive = true;
-  const auto pivot = [&](std::size_t i, double value) {
-    positive &= value > 0.0;
-    inverse_pivot_[i] = 1.0 / value;
-  };
-  pivot(0, d[0] + first[0]);
-  ends.upper_01 = (matrix.above(0) + first[1]) * inverse_pivot_[0];
-  ends.upper_02 = first[2] * inverse_pivot_[0];
-  double before = 0.0, upper = ends.upper_01;  // U(i-2, i-1), U(i-1, i)
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double below = matrix.below(i - 1);
-    lower_[i - 1] = below * inverse_pivot_[i - 1];
-    pivot(i, d[i] - below * upper);
+  assert(matrix.off_diagonal.size() + 1 == n);
+  auto row = matrix.one_sided.begin();
+  const auto rows_end = matrix.one_sided.end();
+  auto tie = matrix.ties.begin();
+  bool positive = true, tied = false;
+  double before = 0.0, upper = 0.0;              // U(i-2, i-1), U(i-1, i)
+  double skipping = 0.0, skipping_before = 0.0;  // U(i-1, i+1), U(i-2, i)
+  double handed = 0.0;                           // what is left of the row before, tied to this one
+  for (std::size_t i = 0; i < n; ++i) {
+    double pivot = matrix.diagonal[i], below = i > 0 ? matrix.below(i - 1) : 0.0;
+    double above = i + 1 < n ? matrix.above(i) : 0.0, beyond = 0.0, lost = 0.0;
+    for (; row != rows_end && row->row == i; ++row) {
+      patches_.push_back({i, row->leftwards, 0.0, 0.0, 0.0, 0.0, 0.0});
+      pivot += row->entries[0];
+      if (!row->leftwards) {
+        above += row->entries[1], beyond = row->entries[2];
+        continue;
+      }
+      patches_.back().upper_before = upper;
+      patches_.back().lower_beyond = row->entries[2] * inverse_pivot_[i - 2];
+      below = below + row->entries[1] - row->entries[2] * before;
+      lost = row->entries[2] * skipping_before;
+    }
+    if (tied) below = handed;
+    if (i > 0) {
+      lower_[i - 1] = tied ? -1.0 : below * inverse_pivot_[i - 1];
+      pivot -= below * upper;
+    }
+    if (lost != 0.0) pivot -= lost;
+    positive &= pivot > 0.0;
+    inverse_pivot_[i] = 1.0 / pivot;
+    if (skipping != 0.0) above -= below * skipping;
     before = upper;
-    upper = (i == 1 ? matrix.above(1) - below * ends.upper_02 : matrix.above(i)) * inverse_pivot_[i];
-    if (!upper_.empty()) upper_[i] = upper;
-    if (i == 1) ends.upper_12 = upper;
+    upper = above * inverse_pivot_[i];
+    skipping_before = skipping;
+    skipping = beyond * inverse_pivot_[i];
+    tied = tie != matrix.ties.end() && *tie == i;
+    if (tied) {
+      ++tie;
+      handed = pivot, inverse_pivot_[i] = 0.0, upper = -1.0;
+    }
+    if (!upper_.empty() && i + 1 < n) upper_[i] = upper;
+    for (auto patch = patches_.rbegin(); patch != patches_.rend() && patch->row + 1 >= i; ++patch) {
+      if (patch->leftwards) continue;
+      if (patch->row == i)
+        patch->upper_here = upper, patch->upper_beyond = skipping;
+      else
+        patch->upper_next = upper;
+    }
   }
-  ends.upper_last = upper;
-  ends.lower_last = last[2] * inverse_pivot_[n - 3];
-  const double beside = matrix.below(n - 2) + last[1] - last[2] * before;
-  lower_[n - 2] = beside * inverse_pivot_[n - 2];
-  pivot(n - 1, d[n - 1] + last[0] - beside * upper - (n == 3 ? last[2] * ends.upper_02 : 0.0));
-  if (!positive) throw std::domain_error("a pivot of a tridiagonal matrix with end rows is not positive");
+  if (!positive) throw std::domain_error("a pivot of a tridiagonal matrix with one-sided rows is not positive");
 }
 
 namespace {
@@ -134,15 +157,43 @@ inline void sweep_back(const double* lower, const double* inverse_pivot, double*
 
 }  // namespace
 
-void TridiagonalFactor::substitute_ends(std::span<double> x) const {
-  const std::size_t n = size();
-  x[n - 1] = (x[n - 1] - ends_->lower_last * x[n - 3]) * inverse_pivot_[n - 1];
-  x[n - 2] = x[n - 2] * inverse_pivot_[n - 2] - ends_->upper_last * x[n - 1];
-  if (n > 3) {
-    sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 2, 2);
-    x[1] = x[1] * inverse_pivot_[1] - ends_->upper_12 * x[2];
+void TridiagonalFactor::substitute_patched(std::span<double> x) const {
+  std::size_t top = size() - 1;  // solved from there on
+  x[top] *= inverse_pivot_[top];
+  const auto sweep = [&](std::size_t bottom) {
+    if (top > bottom) sweep_back(upper(), inverse_pivot_.data(), x.data(), top, bottom), top = bottom;
+  };
+  for (auto patch = patches_.rbegin(); patch != patches_.rend(); ++patch) {
+    const std::size_t r = patch->row;
+    if (patch->leftwards) {
+      sweep(r);
+      x[r - 1] = x[r - 1] * inverse_pivot_[r - 1] - patch->upper_before * x[r];
+      top = r - 1;
+      continue;
+    }
+    sweep(r + 2);
+    if (top > r + 1) x[r + 1] = x[r + 1] * inverse_pivot_[r + 1] - patch->upper_next * x[r + 2];
+    x[r] = x[r] * inverse_pivot_[r] - patch->upper_here * x[r + 1] - patch->upper_beyond * x[r + 2];
+    top = r;
   }
-  x[0] = x[0] * inverse_pivot_[0] - ends_->upper_01 * x[1] - ends_->upper_02 * x[2];
+  sweep(0);
+}
+
+// Takes x_from from what follows, up to x_to. The recurrence is y_i = b_i + m_i y_{i-1}. Four terms of it are condensed
+// without waiting for y_{i-1}, so that one multiplication in four is on the chain of dependencies.
+void TridiagonalFactor::sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const {
+  double carried = x[from];
+  std::size_t i = from + 1;
+  for (; i + 3 <= to; i += 4) {
+    const double m0 = -lower_[i - 1], m1 = -lower_[i], m2 = -lower_[i + 1], m3 = -lower_[i + 2];
+    const double b0 = x[i], b1 = x[i + 1] + m1 * b0, b2 = x[i + 2] + m2 * b1, b3 = x[i + 3] + m3 * b2;
+    const double m10 = m1 * m0, m210 = m2 * m10;
+    x[i] = b0 + m0 * carried;
+    x[i + 1] = b1 + m10 * carried;
+    x[i + 2] = b2 + m210 * carried;
+    x[i + 3] = carried = b3 + (m3 * m210) * carried;
+  }
+  for (; i <= to; ++i) x[i] = carried = x[i] - lower_[i - 1] * carried;
 }
 
 void TridiagonalFactor::solve(std::span<double> x) const {
@@ -152,49 +203,60 @@ void TridiagonalFactor::solve(std::span<double> x) const {
     for (std::size_t i = 0; i < n; ++i) x[i] *= inverse_pivot_[i];
     return;
   }
-  // Either sweep is a recurrence y_i = b_i + m_i y_{i-1}. Four terms of it are condensed without waiting for y_{i-1},
-  // so that one multiplication in four is on the chain of dependencies.
-  double carried = x[0];
-  std::size_t i = 1;
-  for (; i + 4 <= n; i += 4) {
-    const double m0 = -lower_[i - 1], m1 = -lower_[i], m2 = -lower_[i + 1], m3 = -lower_[i + 2];
-    const double b0 = x[i], b1 = x[i + 1] + m1 * b0, b2 = x[i + 2] + m2 * b1, b3 = x[i + 3] + m3 * b2;
-    const double m10 = m1 * m0, m210 = m2 * m10;
-    x[i] = b0 + m0 * carried;
-    x[i + 1] = b1 + m10 * carried;
-    x[i + 2] = b2 + m210 * carried;
-    x[i + 3] = carried = b3 + (m3 * m210) * carried;
+  std::size_t from = 0;
+  for (const Patch& patch : patches_) {
+    if (!patch.leftwards) continue;
+    sweep_forward(x, from, patch.row);
+    x[patch.row] -= patch.lower_beyond * x[patch.row - 2];
+    from = patch.row;
   }
-  for (; i < n; ++i) x[i] = carried = x[i] - lower_[i - 1] * carried;
-
-  if (ends_) return substitute_ends(x);
+  sweep_forward(x, from, n - 1);
+  if (!patches_.empty()) return substitute_patched(x);
   x[n - 1] *= inverse_pivot_[n - 1];
   sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 1, 0);
 }
 
 namespace {
 
-// (T + e_0 f^T + e_{n-1} l^T)^{-1} = T^{-1} - T^{-1} [e_0 e_{n-1}] S^{-1} [f l]^T T^{-1},  S = I + [f l]^T T^{-1} [e_0
-// e_{n-1}]
-void add_end_rows(const SymmetricTridiagonal& matrix, std::vector<double>& inverse_diagonal) {
-  const std::size_t n = matrix.size();
+// (T + sum over r of e_r f_r^T)^{-1} = T^{-1} - T^{-1} E S^{-1} F^T T^{-1},  S = I + F^T T^{-1} E
+void add_one_sided(const SymmetricTridiagonal& matrix, std::vector<double>& inverse_diagonal) {
+  const std::size_t n = matrix.size(), count = matrix.one_sided.size();
   SymmetricTridiagonal inner = matrix;
-  inner.end_rows.reset();
+  inner.one_sided.clear();
   const TridiagonalFactor factor(inner);
   for (double& entry : inner.skew) entry = -entry;
   const TridiagonalFactor transposed(inner);
-  const EndRows& rows = *matrix.end_rows;
-  std::vector<double> left(n), right(n), first(n), last(n);
-  left[0] = right[n - 1] = 1.0;
-  for (std::size_t k = 0; k < 3; ++k) first[k] = rows.first[k], last[n - 1 - k] = rows.last[k];
-  for (std::vector<double>* column : {&left, &right}) factor.solve(*column);
-  for (std::vector<double>* column : {&first, &last}) transposed.solve(*column);
-  const double s00 = 1.0 + rows.first_times(left), s01 = rows.first_times(right);
-  const double s10 = rows.last_times(left), s11 = 1.0 + rows.last_times(right);
-  const double determinant = s00 * s11 - s01 * s10;
+  std::vector<std::vector<double>> columns(count, std::vector<double>(n)), rows = columns;
+  for (std::size_t r = 0; r < count; ++r) {
+    const OneSidedRow& one = matrix.one_sided[r];
+    columns[r][one.row] = 1.0;
+    for (std::size_t k = 0; k < 3; ++k) rows[r][one.column(k)] = one.entries[k];
+    factor.solve(columns[r]);
+    transposed.solve(rows[r]);
+  }
+  const auto s = [&](std::size_t r, std::size_t c) {
+    const double of_column = matrix.one_sided[r].times(columns[c]);
+    return r == c ? 1.0 + of_column : of_column;
+  };
+  if (count == 2) {
+    const double s00 = s(0, 0), s01 = s(0, 1), s10 = s(1, 0), s11 = s(1, 1);
+    const double determinant = s00 * s11 - s01 * s10;
+    for (std::size_t i = 0; i < n; ++i)
+      inverse_diagonal[i] -= (columns[0][i] * (s11 * rows[0][i] - s01 * rows[1][i]) +
+                              columns[1][i] * (s00 * rows[1][i] - s10 * rows[0][i])) /
+                             determinant;
+    return;
+  }
+  const auto size = static_cast<Eigen::Index>(count);
+  Eigen::MatrixXd small(size, size);
+  for (std::size_t r = 0; r < count; ++r)
+    for (std::size_t c = 0; c < count; ++c) small(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = s(r, c);
+  const Eigen::MatrixXd inverse = small.inverse();
   for (std::size_t i = 0; i < n; ++i)
-    inverse_diagonal[i] -=
-        (left[i] * (s11 * first[i] - s01 * last[i]) + right[i] * (s00 * last[i] - s10 * first[i])) / determinant;
+    for (std::size_t c = 0; c < count; ++c)
+      for (std::size_t r = 0; r < count; ++r)
+        inverse_diagonal[i] -=
+            columns[c][i] * inverse(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r)) * rows[r][i];
 }
 
 }  // namespace
@@ -207,7 +269,7 @@ std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix) {
     for (std::size_t i = n - 1; i-- > 0;) backward[i] -= matrix.above(i) * matrix.below(i) / backward[i + 1];
   }
   for (std::size_t i = 0; i < n; ++i) result[i] = 1.0 / (forward[i] + backward[i] - matrix.diagonal[i]);
-  if (matrix.end_rows) add_end_rows(matrix, result);
+  if (!matrix.one_sided.empty()) add_one_sided(matrix, result);
   return result;
 }
 

@@ -3,9 +3,9 @@
 #include <cassert>
 #include <numeric>
 
-#include "discretisation/varying_section.hpp"
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
+#include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
@@ -23,11 +23,14 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
   if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
   if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
   const bool with_first = first == 0, with_last = first + count == matrix.size();
-  if (matrix.end_rows && (with_first || with_last)) {
-    part.end_rows.emplace();
-    if (with_first) part.end_rows->first = matrix.end_rows->first;
-    if (with_last) part.end_rows->last = matrix.end_rows->last;
+  if (matrix.one_sided.empty() || !(with_first || with_last)) return part;
+  if (!with_first) part.one_sided.push_back({});
+  for (OneSidedRow row : matrix.one_sided) {
+    if (row.row < first || row.row >= first + count) continue;
+    row.row -= first;
+    part.one_sided.push_back(row);
   }
+  if (!with_last) part.one_sided.push_back({count - 1, true, {}});
   return part;
 }
 
@@ -63,14 +66,6 @@ double squared_differences(std::span<const double> x, const double* left, const 
   return sum;
 }
 
-std::array<double, 3> row_of_end(const SymmetricTridiagonal& matrix, bool right) {
-  const std::size_t end = right ? matrix.size() - 1 : 0;
-  std::array<double, 3> row = matrix.end_rows ? matrix.end_rows->row(end) : std::array<double, 3>{};
-  row[0] += matrix.diagonal[end];
-  if (!matrix.off_diagonal.empty()) row[1] += right ? matrix.off_diagonal.back() : matrix.off_diagonal.front();
-  return row;
-}
-
 double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
   const bool bare_left = i == 0 && !system.left_fixed();
   const bool bare_right = i + 1 == system.size() && !system.right_fixed();
@@ -80,7 +75,12 @@ double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
 }  // namespace
 
 BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
-    : mesh_(mesh), mass_(mass), bar_(scene.bar), inputs_{scene.left_input, scene.right_input} {
+    : mesh_(mesh),
+      mass_(mass),
+      bar_(scene.bar),
+      chain_(!scene.chain.empty()),
+      pieces_(std::make_shared<const std::vector<Piece>>(pieces_of(scene, mesh))),
+      inputs_{scene.left_input, scene.right_input} {
   const std::array<EndNode, 2> ends = {end_node(scene.left, scene.displacement(0.0)),
                                        end_node(scene.right, scene.displacement(mesh.length))};
   walls_ = {ends[0].held, ends[1].held};
@@ -93,31 +93,41 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
+  if (chain_ && redistributed) throw std::invalid_argument("mass \"redistributed\" does not fit several bars in line");
   massless_ = {redistributed && is_bare_obstacle(scene.left, scene.left_input),
                redistributed && is_bare_obstacle(scene.right, scene.right_input)};
   if (redistributed && end_obstacles(scene) > 0 && !has_massless())
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a spring, a dashpot, a mass or a stop with a law of its own at an end, whose "
         "node must keep its mass");
-  if (scene.section) {
-    section_ = std::make_shared<VaryingSection>(scene.section, scene.section_places.breaks, mesh);
-    places_ = section_->places();
+  if (chain_) {
+    take_elements(scene);
+  } else {
+    const auto& section = pieces_->front().section;
+    if (section) places_ = section->places();
+    for (std::size_t j = 0; (section || !mesh.uniform()) && j < mesh.elements; ++j)
+      inverse_spacing_.push_back(1.0 / stretch(j));
   }
-  for (std::size_t j = 0; (section_ || !mesh.uniform()) && j < mesh.elements; ++j)
-    inverse_spacing_.push_back(1.0 / stretch(j));
-  whole_inertia_ = inertia_matrix(mesh, mass, massless_[0], massless_[1], section_.get());
+  const auto inertia_of = [&](const Piece& piece) {
+    return inertia_matrix(piece.mesh, mass, massless_[0], massless_[1], piece.section.get());
+  };
+  whole_inertia_ = assembled(*pieces_, [&](const Piece& piece) {
+    SymmetricTridiagonal inertia = inertia_of(piece);
+    return inertia *= piece.bar.density;
+  });
+  for (const Piece& piece : *pieces_)
+    if (piece.rigid()) whole_inertia_.diagonal[piece.first] += piece.mass;
   if (scene.side) {
     const auto nodal = [&](const SpaceFunction& f) {
       std::vector<double> values;
       for (std::size_t j = 0; f && j < mesh.nodes(); ++j) values.push_back(f(mesh.node(j)));
       return values;
     };
-    side_.emplace(whole_inertia_, nodal(scene.side->stiffness), nodal(scene.side->drag));
+    side_.emplace(assembled(*pieces_, inertia_of), nodal(scene.side->stiffness), nodal(scene.side->drag));
   }
-  whole_inertia_ *= bar_.density;
   inertia_ = restrict_to(whole_inertia_, first, n);
   for (const bool right : {false, true})
-    if (walls_[right]) held_rows_[right] = row_of_end(whole_inertia_, right);
+    if (walls_[right]) held_rows_[right] = whole_inertia_.end_row(right);
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
 
   const auto bound = [&](std::size_t unknown, const std::optional<Obstacle>& obstacle, double weight, Where where) {
@@ -127,14 +137,21 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   };
   bound(0, ends[0].obstacle, 1.0, Where::left);
   bound(n - 1, ends[1].obstacle, 1.0, Where::right);
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<double> displacement(mesh.nodes()), velocity(mesh.nodes());
+  for (std::size_t p = pieces_->size(); p-- > 0;)  // a node that two have is the left one's
+    for (std::size_t j = 0; j < (*pieces_)[p].mesh.nodes(); ++j) {
+      const Piece& piece = (*pieces_)[p];
+      displacement[piece.first + j] = piece.displacement(piece.mesh.node(j));
+      velocity[piece.first + j] = piece.velocity(piece.mesh.node(j));
+    }
+  initial_ = {part_of(displacement, first, n), part_of(velocity, first, n)};
+  for (std::size_t i = 0; scene.span && i < n; ++i) {
     const std::size_t node = i + first;
     const double before = node > 0 ? mesh.element(node - 1) : 0.0;
     const double after = node < mesh.elements ? mesh.element(node) : 0.0;
     bound(i, scene.span, (before + after) / 2, Where::span);
-    initial_.u.push_back(scene.displacement(mesh.node(node)));
-    initial_.v.push_back(scene.velocity(mesh.node(node)));
   }
+  take_joints(scene);
 
   for (const bool right : {false, true}) {
     const EndInput& input = inputs_[right];
@@ -150,17 +167,18 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     const Lift rate = lift(0.0, 1);
     for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(share(i));
   }
-  if (const auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places); !moments.empty())
-    start_from(moments);
+  if (auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places, true); !moments.empty())
+    start_from(std::move(moments));
   else if (mass == Mass::fourth_order && fixed > 0)
     stop_fixed_ends(scene);
   add_masses();
   if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
-    const SymmetricTridiagonal load_mass = mass_matrix(mesh, mass, section_.get());
+    const SymmetricTridiagonal load_mass =
+        assembled(*pieces_, [&](const Piece& piece) { return mass_matrix(piece.mesh, mass, piece.section.get()); });
     const auto weighted = [&](const SpaceFunction& profile, const Places& places) {
-      std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places);
+      std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places, false);
       if (product.empty()) {
         product = values;
         for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
@@ -177,6 +195,63 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
       load_ = GeneralVector{general->density, general->breaks, general->breaks_at, general->breaks_in_x, load_mass};
   }
   take_forces();
+}
+
+// Springs and dashpots of the elements of a chain, in those of its bar().
+void BarSystem::take_elements(const Scene& scene) {
+  inverse_spacing_.assign(mesh_.elements, 0.0);
+  inverse_rate_ = inverse_spacing_;
+  double fastest = 0.0;
+  bool alike = true;
+  for (std::size_t p = 0; p < pieces_->size(); ++p) {
+    const Piece& piece = (*pieces_)[p];
+    const double of_rate = bar_.viscosity > 0.0 ? piece.bar.viscosity / bar_.viscosity : 0.0;
+    for (std::size_t e = 0; e < piece.mesh.elements; ++e) {
+      inverse_spacing_[piece.first + e] = piece.bar.modulus / bar_.modulus / piece.stretch(e);
+      inverse_rate_[piece.first + e] = of_rate / piece.stretch(e);
+      fastest = std::max(fastest, std::sqrt(piece.bar.modulus / piece.bar.density) / piece.mesh.element(e));
+    }
+    alike &= piece.rigid() || piece.bar.viscosity * bar_.modulus == bar_.viscosity * piece.bar.modulus;
+    const Joint& joint = scene.chain[p].joint;
+    if (p + 1 == pieces_->size() || joint.kind != JointKind::spring) continue;
+    inverse_spacing_[piece.last()] = joint.stiffness / bar_.modulus;
+    if (joint.damping > 0.0) inverse_rate_[piece.last()] = joint.damping / bar_.viscosity;
+    alike &= joint.damping * bar_.modulus == joint.stiffness * bar_.viscosity;
+  }
+  if (alike) inverse_rate_.clear();
+  finest_ = std::sqrt(bar_.modulus / bar_.density) / fastest;
+}
+
+void BarSystem::take_joints(const Scene& scene) {
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k) {
+    const Joint& joint = scene.chain[k].joint;
+    joint_stops_.push_back(joint.stop);
+    if (joint.kind == JointKind::bonded) continue;
+    const std::size_t node = (*pieces_)[k + 1].first;
+    joints_.push_back({k + 1, node, joint.stiffness, joint.damping, joint.kind == JointKind::contact});
+    if (joint.kind != JointKind::contact) continue;
+    if (node < first_node() + 1 || node >= first_node() + size())
+      throw std::invalid_argument("a contact lies between two bars or bodies that move, and one of them is fixed");
+    contacts_.push_back({node - first_node(), joint.gap, 1.0, Where::joint, 1.0, k + 1});
+  }
+}
+
+bool BarSystem::is_element_of_bar(std::size_t element) const {
+  return std::ranges::any_of(*pieces_,
+                             [element](const Piece& one) { return one.first <= element && element < one.last(); });
+}
+
+std::size_t BarSystem::element_at(std::size_t unknown) const {
+  const std::size_t node = unknown + first_node();
+  if (!chain_) return std::min(node, mesh_.elements - 1);
+  std::size_t nearest = 0;
+  for (const Piece& piece : *pieces_) {
+    if (piece.rigid()) continue;
+    if (node < piece.first) return nearest == 0 ? piece.first : nearest;
+    if (node < piece.last()) return node;
+    nearest = piece.last() - 1;
+  }
+  return nearest;
 }
 
 // The data at the beginning do not depend on them.
@@ -212,7 +287,10 @@ double BarSystem::held_inertia(bool right, std::span<const double> a) const {
 double BarSystem::holding_force(bool right, std::span<const double> u, std::span<const double> v,
                                 std::span<const double> a, double load) const {
   const std::size_t e = right ? mesh_.elements - 1 : 0;
-  const double pull = (bar_.modulus * (u[e + 1] - u[e]) + bar_.viscosity * (v[e + 1] - v[e])) / stretch(e);
+  const double pull = inverse_rate_.empty()
+                          ? (bar_.modulus * (u[e + 1] - u[e]) + bar_.viscosity * (v[e + 1] - v[e])) / stretch(e)
+                          : bar_.modulus * (u[e + 1] - u[e]) * inverse_spacing_[e] +
+                                bar_.viscosity * (v[e + 1] - v[e]) * inverse_rate_[e];
   const double force = (right ? pull : -pull) + held_inertia(right, a) - load;
   if (!side_) return force;
   return force + side_->at_end(right, side_->resistance([u](std::size_t j) { return u[j]; },
@@ -223,7 +301,7 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
   if (rows_alike())
     uniform_force(u, w, out);
   else
-    graded_force(u, w, out);
+    inverse_rate_.empty() ? graded_force(u, w, out) : unlike_force(u, w, out);
   for (const Mount& mount : mounts_)
     out[mount.unknown] -= mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
   if (side_) side_->subtract(side_->resistance(displacement_at_nodes(u), at_nodes(w)), first_node(), size(), out);
@@ -264,10 +342,32 @@ void BarSystem::graded_force(std::span<const double> u, std::span<const double> 
   out[n - 1] = inverse_spacing_.back() * right - before;
 }
 
+// Where elasticity and viscosity differ from one element to the next.
+void BarSystem::unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
+  const std::size_t n = size(), first = first_node();
+  const auto stress = [&](std::size_t e, double strain, double rate) {
+    return bar_.modulus * inverse_spacing_[e] * strain + bar_.viscosity * inverse_rate_[e] * rate;
+  };
+  double before = walls_[0] ? stress(0, u[0] - *walls_[0], w[0]) : 0.0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double next = stress(first + i, u[i + 1] - u[i], w[i + 1] - w[i]);
+    out[i] = next - before;
+    before = next;
+  }
+  out[n - 1] = (walls_[1] ? stress(mesh_.elements - 1, *walls_[1] - u[n - 1], -w[n - 1]) : 0.0) - before;
+}
+
+namespace {
+
+double sum_beside(const std::vector<double>& of_elements, std::size_t node) {
+  return (node > 0 ? of_elements[node - 1] : 0.0) + (node < of_elements.size() ? of_elements[node] : 0.0);
+}
+
+}  // namespace
+
 double BarSystem::stiffness_diagonal(std::size_t i) const {
   if (rows_alike()) return uniform_stiffness_diagonal(*this, i);
-  const std::size_t node = i + first_node();
-  return (node > 0 ? inverse_spacing_[node - 1] : 0.0) + (node < mesh_.elements ? inverse_spacing_[node] : 0.0);
+  return sum_beside(inverse_spacing_, i + first_node());
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
@@ -275,11 +375,13 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
   if (rows_alike())
     uniform_stiffness(m, scale, out);
   else
-    graded_stiffness(m, scale, out);
+    inverse_rate_.empty() ? graded_stiffness(m, scale, out) : unlike_stiffness(m, c, k, out);
+  out.ties.clear();
   out.skew = inertia_.skew;
   for (double& entry : out.skew) entry *= m;
-  out.end_rows.reset();
-  if (inertia_.end_rows) out.end_rows = inertia_.end_rows->times(m);
+  out.one_sided = inertia_.one_sided;
+  for (OneSidedRow& one : out.one_sided)
+    for (double& entry : one.entries) entry *= m;
   for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
   if (side_) side_->add_to(out, first_node(), c, k);
 }
@@ -310,6 +412,20 @@ void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& o
   }
 }
 
+void BarSystem::unlike_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+  const std::size_t n = size(), first = first_node();
+  out.diagonal.resize(n);
+  out.off_diagonal.resize(n - 1);
+  const double viscous = c * bar_.viscosity, elastic = k * bar_.modulus;
+  for (std::size_t i = 0; i < n; ++i)
+    out.diagonal[i] = m * inertia_.diagonal[i] + elastic * sum_beside(inverse_spacing_, first + i) +
+                      viscous * sum_beside(inverse_rate_, first + i);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double mass = inertia_.is_diagonal() ? 0.0 : m * inertia_.off_diagonal[i];
+    out.off_diagonal[i] = mass - (elastic * inverse_spacing_[first + i] + viscous * inverse_rate_[first + i]);
+  }
+}
+
 double BarSystem::squared_strain(std::span<const double> u) const {
   const double *left = walls_[0] ? &*walls_[0] : nullptr, *right = walls_[1] ? &*walls_[1] : nullptr;
   if (!rows_alike()) return graded_squared_strain(u, left, right, inverse_spacing_);
@@ -319,7 +435,7 @@ double BarSystem::squared_strain(std::span<const double> u) const {
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
   const double still = 0.0;
   const double *left = walls_[0] ? &still : nullptr, *right = walls_[1] ? &still : nullptr;
-  if (!rows_alike()) return graded_squared_strain(w, left, right, inverse_spacing_);
+  if (!rows_alike()) return graded_squared_strain(w, left, right, rate_weights());
   return squared_differences(w, left, right) / mesh_.spacing();
 }
 
@@ -386,7 +502,8 @@ std::vector<double> graded(const NextBreak& detail, double length) {
 
 // None where nothing is known; and what is smooth has none but on `fourth_order`, unless its detail is finer than a
 // quarter of an element.
-std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const {
+std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places,
+                                          bool velocity) const {
   std::vector<double> moments;
   if (!places.breaks) return moments;
   const double length = mesh_.length;
@@ -398,20 +515,28 @@ std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunc
     const auto next = std::ranges::upper_bound(detail, after);
     return next != detail.end() && *next < until ? std::optional(*next) : std::nullopt;
   };
+  const NextBreak next_break = either_of(places.breaks, next_detail);
   moments.resize(mesh_.nodes());
-  const auto value = [&](double x) {
-    return finite_load(
-        0.0, [&] { return f(x); }, [&] { return fmt::format("{} at x = {}", what, x); });
-  };
-  add_moments(mesh_, mass_, section_.get(), 0, mesh_.elements, value, either_of(places.breaks, next_detail),
-              [&](std::size_t node, double part) { moments[node] += part; });
+  std::vector<double> own;
+  for (const Piece& piece : *pieces_) {
+    const auto value = [&](double x) {
+      return finite_load(
+          0.0, [&] { return velocity ? piece.velocity(x) : f(piece.begin + x); },
+          [&] { return fmt::format("{} at x = {}", what, piece.begin + x); });
+    };
+    own.assign(piece.mesh.nodes(), 0.0);
+    add_moments(piece.mesh, mass_, piece.section.get(), 0, piece.mesh.elements, value, shifted(next_break, piece.begin),
+                [&](std::size_t node, double part) { own[node] += part; });
+    const double density = velocity ? piece.bar.density : 1.0;
+    for (std::size_t j = 0; j < own.size(); ++j) moments[piece.first + j] += density * own[j];
+    if (piece.rigid() && velocity) moments[piece.first] += piece.mass * piece.velocity(0.0);
+  }
   return moments;
 }
 
-// rho M w = rho int phi_i u_1 over the unknowns, held nodes at rest from the first moment on. A node without mass has
+// rho M w = int rho phi_i u_1 over the unknowns, held nodes at rest from the first moment on. A node without mass has
 // the velocity to which its neighbours' extends, and they have its moment.
 void BarSystem::start_from(std::vector<double> moments) {
-  for (double& moment : moments) moment *= bar_.density;
   if (moving()) {
     const Lift rate = lift(0.0, 1);
     std::vector<double> frame(mesh_.nodes()), product(frame);

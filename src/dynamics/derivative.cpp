@@ -358,7 +358,8 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     double sum = inertia.diagonal[end] * x[end];
     if (!inertia.off_diagonal.empty() && n > 1)
       sum += inertia.off_diagonal[end == 0 ? 0 : end - 1] * x[end == 0 ? 1 : end - 1];
-    if (inertia.end_rows) sum += inertia.end_rows->row_times(end, x);
+    for (const OneSidedRow& one : inertia.one_sided)
+      if (one.row == end) sum += one.times(x);
     return sum;
   };
   const BarSystem& bar = system_.bar();

@@ -109,8 +109,9 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
   const std::size_t i = contact(contact_index).unknown, node = i + bar_.first_node();
   RelaxingRow row{i, 0.0, 1.0, 0.0, 0.0, {}, 0};
   double damping = 0.0;
-  const auto beside = [&](double stretch, std::optional<std::size_t> next, std::optional<double> wall) {
-    const double modulus = bar_.bar().modulus / stretch, viscosity = bar_.bar().viscosity / stretch;
+  const auto beside = [&](std::size_t element, std::optional<std::size_t> next, std::optional<double> wall) {
+    const double modulus = bar_.bar().modulus / bar_.stretch(element),
+                 viscosity = bar_.bar().viscosity / bar_.rate_stretch(element);
     row.rate += modulus, damping += viscosity;
     if (!next) {
       row.constant += modulus * (*wall - origin_at(i));
@@ -123,10 +124,10 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
   };
   const std::size_t last = bar_.mesh().elements;
   const std::optional<std::size_t> none;
-  if (node > 0) beside(bar_.stretch(node - 1), i > 0 ? std::optional(i - 1) : none, bar_.left_displacement());
-  if (node < last) beside(bar_.stretch(node), i + 1 < size() ? std::optional(i + 1) : none, bar_.right_displacement());
-  if (const auto& rows = bar_.inertia().end_rows; rows && row.count == 1) {
-    const std::array<double, 3>& shares = rows->row(i);
+  if (node > 0) beside(node - 1, i > 0 ? std::optional(i - 1) : none, bar_.left_displacement());
+  if (node < last) beside(node, i + 1 < size() ? std::optional(i + 1) : none, bar_.right_displacement());
+  if (!bar_.inertia().one_sided.empty() && row.count == 1) {
+    const std::array<double, 3> shares = bar_.inertia().one_sided_entries(i, i > 0);
     row.neighbours[0].a_share += shares[1];
     row.neighbours[row.count++] = {i == 0 ? 2 : i - 2, 0.0, 0.0, shares[2]};
   }

@@ -13,6 +13,8 @@ namespace viscobar {
 /// A place of the bar where its motion is read: u, v, strain u_x and stress E u_x + eta v_x.
 class Gauge {
  public:
+  /// On a chain by the nodes of its own bar, at a joint of the left one.
+  Gauge(const Mesh& mesh, const Scene& scene, double x);
   Gauge(const Mesh& mesh, const Bar& bar, double x);
 
   struct Reading {
@@ -29,7 +31,7 @@ class Gauge {
 };
 
 /// One for each of output.gauges.
-std::vector<Gauge> make_gauges(std::span<const double> places, const Mesh& mesh, const Bar& bar);
+std::vector<Gauge> make_gauges(std::span<const double> places, const Mesh& mesh, const Scene& scene);
 
 /// The columns of gauges.csv behind t: u@X, v@X, strain@X, stress@X for each place X.
 std::vector<std::string> gauge_columns(std::span<const double> places);

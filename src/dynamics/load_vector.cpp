@@ -7,6 +7,7 @@
 
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
+#include "dynamics/pieces.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
@@ -140,10 +141,15 @@ void LoadVector::find_distributed(double t) {
 template <class Add>
 void LoadVector::add_moments(double t, std::size_t first, std::size_t last, Add&& add) const {
   const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
-  viscobar::add_moments(
-      system_.mesh(), system_.mass(), system_.section_.get(), first, last,
-      [&](double x) { return density_at(general.density, x, t); },
-      [&](double after, double until) { return general.breaks_in_x(t, after, until); }, add);
+  const NextBreak breaks = [&](double after, double until) { return general.breaks_in_x(t, after, until); };
+  for (const Piece& piece : *system_.pieces_) {
+    const std::size_t from = std::max(first, piece.first), to = std::min(last, piece.last());
+    if (from >= to) continue;
+    viscobar::add_moments(
+        piece.mesh, system_.mass(), piece.section.get(), from - piece.first, to - piece.first,
+        [&](double x) { return density_at(general.density, piece.begin + x, t); }, shifted(breaks, piece.begin),
+        [&](std::size_t j, double part) { add(piece.first + j, part); });
+  }
 }
 
 // A step back from the start there is no motion.
@@ -232,13 +238,8 @@ double LoadVector::distributed(double t, std::size_t node) const {
   double sum = general.mass.diagonal[node] * density(node);
   if (coupled && node > 0) sum += general.mass.below(node - 1) * density(node - 1);
   if (coupled && node + 1 < general.mass.size()) sum += general.mass.above(node) * density(node + 1);
-  if (const auto& ends = general.mass.end_rows) {
-    const std::size_t last = general.mass.size() - 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (node == 0) sum += ends->first[k] * density(k);
-      if (node == last) sum += ends->last[k] * density(last - k);
-    }
-  }
+  for (const OneSidedRow& one : general.mass.one_sided)
+    for (std::size_t k = 0; k < 3 && one.row == node; ++k) sum += one.entries[k] * density(one.column(k));
   return sum;
 }
 

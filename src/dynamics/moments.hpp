@@ -9,8 +9,18 @@
 #include "discretisation/varying_section.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
+
+/// Breaks of f(begin + x).
+inline NextBreak shifted(const NextBreak& breaks, double begin) {
+  if (begin == 0.0) return breaks;
+  return [&breaks, begin](double after, double until) -> std::optional<double> {
+    const auto next = breaks(begin + after, begin + until);
+    return next ? std::optional(*next - begin) : std::nullopt;
+  };
+}
 
 /// Calls add(i, int phi_i f dx) with the parts of the elements [first, last): Gauss' formula of four points between the
 /// nodes and the breaks of f. `next(after, until)` is the first of its breaks there, or nothing. Under `paper`, which

@@ -150,7 +150,7 @@ void BarSystem::pass_kink(const FrameJump& jump, std::span<double> u, std::span<
 
 double BarSystem::gap_jump(const Contact& contact, double t, double end) const {
   const bool right = contact.where == Where::right;
-  if (contact.where == Where::span || !inputs_[right].motion) return 0.0;
+  if (!contact.at_end() || !inputs_[right].motion) return 0.0;
   const EndMotion& motion = *inputs_[right].motion;
   const auto [before, after] = sides_of(t, end);
   const auto at = [&](double time, int derivative) { return motion_at(motion, time, derivative, right); };

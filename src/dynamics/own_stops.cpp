@@ -12,6 +12,11 @@ std::optional<PenalisedSystem::IndicatorWeights> PenalisedSystem::push_weights(s
   const auto push = law ? law->push(push_time()) : std::nullopt;
   if (!push) return std::nullopt;
   const double sign = contact(i).sign;
+  if (contact(i).joint > 0)
+    return IndicatorWeights{.values = {0.0, push->a, -push->a, push->b, -push->b},
+                            .sided = true,
+                            .alone = false,
+                            .offset = push->a * offsets_[i] - push->e};
   return IndicatorWeights{
       .values = {0.0, sign * push->a, sign * push->b}, .alone = false, .offset = push->a * offsets_[i] - push->e};
 }

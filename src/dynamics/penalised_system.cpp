@@ -43,7 +43,10 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const std::size_t node = contact(i).unknown;
     collides_ |= collides(i);
+    double inverse_mass = massless(node) || rigid_ ? 0.0 : 1.0 / bar.inertia().diagonal_entry(node);
+    if (contact(i).joint > 0 && !rigid_) inverse_mass += 1.0 / bar.inertia().diagonal_entry(node - 1);
     rates_.push_back(massless(node) || rigid_ ? 0.0
+                     : contact(i).joint > 0   ? std::sqrt(laws_[i].stiffness * inverse_mass)
                                               : std::sqrt(laws_[i].stiffness / bar.inertia().diagonal_entry(node)));
   }
   if (collides_ || bar.has_end_rows()) acceleration_.resize(size());
@@ -54,7 +57,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
 }
 
 void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<double> u) {
-  if (measured_[closing]) return;
+  if (measured_[closing] || contact(closing).joint > 0) return;
   std::vector<bool> node_is_measured(size());  // from its other obstacle
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (measured_[i]) node_is_measured[contact(i).unknown] = true;
@@ -75,7 +78,8 @@ void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<doubl
 
 void PenalisedSystem::find_offsets() {
   offsets_.resize(laws_.size());
-  for (std::size_t i = 0; i < laws_.size(); ++i) offsets_[i] = contact(i).clearance(origin_at(contact(i).unknown));
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    offsets_[i] = contact(i).joint > 0 ? contact(i).gap : contact(i).clearance(origin_at(contact(i).unknown));
   if (origin_.empty()) return;
   const std::vector<double> nothing(size(), 0.0);
   std::vector<double> without(size());
@@ -122,13 +126,21 @@ bool PenalisedSystem::held(std::size_t unknown) const {
 
 std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
+  if (contact(i).joint > 0) {
+    std::vector<std::size_t> entries = {node, node, node - 1};
+    if (push_weights(i)) entries.insert(entries.end(), {size() + node, size() + node - 1});
+    if (!collides(i)) return entries;
+    const JointRow row = joint_row(i);
+    entries.insert(entries.end(), {row.next, size() + row.node, size() + row.next, size() + row.beyond});
+    return entries;
+  }
   if (follows(i)) return {neighbour(node)};
   if (push_weights(i)) return {node, node, size() + node};
   if (!holds(i)) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), size() + neighbour(node)};
   const std::size_t beyond = node == 0 ? 2 : node - 2;
-  if (collides(i) && bar_.inertia().end_rows) entries.push_back(size() + beyond);
-  if (collides(i) && bar_.inertia().end_rows && bar_.side()) entries.push_back(beyond);
+  if (collides(i) && has_one_sided()) entries.push_back(size() + beyond);
+  if (collides(i) && has_one_sided() && bar_.side()) entries.push_back(beyond);
   return entries;
 }
 
@@ -137,9 +149,20 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   IndicatorWeights weights{.values = {sign}};
   const bool held = holds(i) && closed(i);
   if (!load_ || !(held || follows(i))) weights.offset = indicator_offset(i, 0.0);
+  if (contact(i).joint > 0) {
+    weights.alone = false;
+    if (held)
+      add_joint_weights(i, weights);
+    else
+      weights.values = {0.0, 1.0, -1.0};
+    return weights;
+  }
   if (!held || follows(i)) return weights;
   const Bar& bar = bar_.bar();
-  weights.values = {0.0, sign, sign * bar.viscosity / bar.modulus};
+  weights.values = {0.0, sign,
+                    bar_.is_chain() ? sign * bar.viscosity / bar_.rate_stretch_at(contact(i).unknown) *
+                                          bar_.stretch_at(contact(i).unknown) / bar.modulus
+                                    : sign * bar.viscosity / bar.modulus};
   weights.alone = false;
   if (!collides(i)) return weights;
   const std::size_t node = contact(i).unknown;
@@ -157,8 +180,33 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
     return -sign * bar_.stretch_at(node) / bar.modulus * row[k] * (drag ? side->drag(j) : side->stiffness(j));
   };
   weights.values[1] += share(1, false), weights.values[2] += share(1, true);
-  if (bar_.inertia().end_rows) weights.values[3] = share(2, true), weights.values[4] = share(2, false);
+  if (has_one_sided()) weights.values[3] = share(2, true), weights.values[4] = share(2, false);
   return weights;
+}
+
+PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
+  const std::size_t b = contact(i).unknown, right = b + bar_.first_node();
+  const bool to_right = bar_.is_element_of_bar(right);
+  JointRow row{b, b + 1, std::min(b + 2, size() - 1), 1.0, 0.0, 0.0, {}};
+  if (!to_right) row = {b - 1, b - 2, b < 3 ? 0 : b - 3, -1.0, 0.0, 0.0, {}};
+  const std::size_t element = to_right ? right : right - 2;
+  row.stiffness = bar_.bar().modulus / bar_.stretch(element);
+  row.viscosity = bar_.bar().viscosity / bar_.rate_stretch(element);
+  const SymmetricTridiagonal& inertia = bar_.inertia();
+  row.inertia = inertia.one_sided_entries(row.node, !to_right);
+  row.inertia[0] += inertia.diagonal[row.node];
+  if (!inertia.is_diagonal()) row.inertia[1] += to_right ? inertia.above(row.node) : inertia.below(row.next);
+  return row;
+}
+
+// Of -N over the stiffness of the row.
+void PenalisedSystem::add_joint_weights(std::size_t i, IndicatorWeights& weights) const {
+  const JointRow row = joint_row(i);
+  const double unit = -row.sign / row.stiffness;
+  weights.sided = true;
+  weights.values = {0.0, 0.0, 0.0, row.sign, unit * row.viscosity, -unit * row.viscosity, 0.0};
+  weights.values[row.sign > 0.0 ? 1 : 2] = -row.sign;
+  for (std::size_t k = 0; k < 3; ++k) weights.rates[2 + k] = unit * row.inertia[k];
 }
 
 // Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
@@ -166,14 +214,20 @@ std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
   const SymmetricTridiagonal& inertia = bar_.inertia();
   if (inertia.off_diagonal.empty()) return {0.0, 0.0};
   const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];
-  if (!inertia.end_rows) return {beside, 0.0};
-  const std::array<double, 3>& row = inertia.end_rows->row(end);
+  if (inertia.one_sided.empty()) return {beside, 0.0};
+  const std::array<double, 3> row = inertia.one_sided_entries(end, end > 0);
   return {beside + row[1], row[2]};
 }
 
 double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   const std::size_t node = contact(i).unknown;
   if (!follows(i) && !(holds(i) && closed(i))) return offsets_[i];
+  if (contact(i).joint > 0) {
+    const JointRow row = joint_row(i);
+    const double origin = row.sign * (origin_at(row.next) - origin_at(row.node));
+    if (!load_) return origin;
+    return origin + row.sign / row.stiffness * load_->at(t)[row.node];
+  }
   double neighbours = contact(i).clearance(origin_at(neighbour(node)));
   for (const Mount& mount : bar_.mounts())
     if (mount.unknown == node)
@@ -221,15 +275,25 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i) || holds(i)) continue;
     const std::size_t node = contact(i).unknown;
-    out[node] += contact_force(i, clearance(i, u), w[node]);
+    const double force = contact_force(i, clearance(i, u), contact(i).of(w));
+    out[node] += force;
+    if (contact(i).joint > 0) out[node - 1] -= force;
   }
 }
 
 void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
   bar_.dynamic_stiffness(m, c, k, out);
-  for (std::size_t i = 0; i < laws_.size(); ++i)
-    if (closed(i))
-      out.diagonal[contact(i).unknown] += holds(i) ? infinite : k * laws_[i].stiffness + c * laws_[i].damping;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (!closed(i)) continue;
+    const std::size_t node = contact(i).unknown;
+    const double spring = holds(i) ? infinite : k * laws_[i].stiffness + c * laws_[i].damping;
+    if (contact(i).joint == 0)
+      out.diagonal[node] += spring;
+    else if (holds(i))
+      out.tie(node - 1);
+    else
+      out.diagonal[node] += spring, out.diagonal[node - 1] += spring, out.off_diagonal[node - 1] -= spring;
+  }
 }
 
 void PenalisedSystem::accelerate(std::span<double> force) {
@@ -239,7 +303,10 @@ void PenalisedSystem::accelerate(std::span<double> force) {
   if (held_from_ != revision_) {
     SymmetricTridiagonal inertia = bar_.inertia();
     for (std::size_t i = 0; i < laws_.size(); ++i)
-      if (indicator_needs_rates(i)) inertia.diagonal[contact(i).unknown] = infinite;
+      if (indicator_needs_rates(i) && contact(i).joint > 0)
+        inertia.tie(contact(i).unknown - 1);
+      else if (indicator_needs_rates(i))
+        inertia.diagonal[contact(i).unknown] = infinite;
     held_factor_.factorise(inertia);
     held_from_ = revision_;
   }
@@ -260,18 +327,21 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   const std::size_t node = contact(i).unknown;
   std::vector<double> answer(size(), 0.0), acceleration(size());
   answer[node] = 1.0;
+  const bool of_joint = contact(i).joint > 0;
+  if (of_joint) answer[node - 1] = -1.0;
   accelerate(answer);
-  const double sign = contact(i).sign;
-  const double mass = 1.0 / answer[node], speed = -sign * w[node], kinetic = 0.5 * bar_.inertia().quadratic_form(w);
+  const double sign = contact(i).sign, came = contact(i).of(w);
+  const double mass = 1.0 / contact(i).of(answer), speed = -sign * came,
+               kinetic = 0.5 * bar_.inertia().quadratic_form(w);
   const auto leave_with = [&](double velocity) {
-    const double impulse = mass * (velocity - w[node]);
+    const double impulse = mass * (velocity - contact(i).of(w));
     for (std::size_t j = 0; j < size(); ++j) w[j] += impulse * answer[j];
-    w[node] = velocity;
+    w[node] = of_joint ? w[node - 1] + velocity : velocity;
   };
   leave_with(0.0);
   force(t, u, w, acceleration);
   accelerate(acceleration);
-  const double pressed = -sign * acceleration[node];
+  const double pressed = -sign * contact(i).of(acceleration);
   // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
   const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-clearance(i, u), 0.0);
   const double rebound = restitution_ * std::sqrt(std::max(speed * speed - gained, 0.0));
@@ -283,9 +353,9 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
     rests = pressed > 0.0 && height <= negligible.displacement;
     if (!rests) leave_with(sign * rebound);
   }
-  const double dissipated = 0.5 * mass * (speed - w[node]) * (speed + w[node]);
+  const double left = contact(i).of(w), dissipated = 0.5 * mass * (speed - left) * (speed + left);
   return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
-          mass * (w[node] + sign * speed), height};
+          mass * (left + sign * speed), height};
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
@@ -297,18 +367,17 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   std::vector<double> acceleration;
   std::vector<unsigned char> press(laws_.size(), 0);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    const std::size_t node = contact(i).unknown;
     const double sign = contact(i).sign, clear = clearance(i, u), rounding = clearance_rounding(i, largest);
     if (moves(i) || clear > rounding) continue;
-    if (clear < -rounding || sign * w[node] < 0.0) {
+    if (clear < -rounding || sign * contact(i).of(w) < 0.0) {
       press[i] = 1;
-    } else if (w[node] == 0.0) {
+    } else if (contact(i).of(w) == 0.0) {
       if (acceleration.empty()) {
         acceleration.resize(size());
         force(t, u, w, acceleration);
         accelerate(acceleration);
       }
-      press[i] = sign * acceleration[node] < 0.0 ? 1 : 0;
+      press[i] = sign * contact(i).of(acceleration) < 0.0 ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < laws_.size(); ++i)
@@ -324,7 +393,7 @@ std::array<double, 3> PenalisedSystem::reactions(double t, std::span<const doubl
     const std::size_t node = contact(i).unknown;
     const bool left = node == 0 && !bar_.left_fixed(), right = node + 1 == size() && !bar_.right_fixed();
     const bool span = contact(i).where == Where::span;
-    if (!closed(i) || !(left || right || span)) continue;
+    if (!closed(i) || contact(i).joint > 0 || !(left || right || span)) continue;
     const double sign = contact(i).sign;
     if (collides(i) && !std::exchange(accelerated, true)) accelerate_held(t, u, w);
     const double clear = clearance(i, u);
@@ -336,6 +405,31 @@ std::array<double, 3> PenalisedSystem::reactions(double t, std::span<const doubl
     if (span) sum[2] += sign * reaction;
   }
   return sum;
+}
+
+std::vector<double> PenalisedSystem::joint_forces(double t, std::span<const double> u, std::span<const double> w) {
+  std::vector<double> forces, acceleration, force_of_rows;
+  for (std::size_t i = 0; i < laws_.size(); ++i) {
+    if (contact(i).joint == 0) continue;
+    double& force_here = forces.emplace_back(0.0);
+    if (!closed(i)) continue;
+    if (!holds(i)) {
+      force_here = contact_force(i, clearance(i, u), contact(i).of(w));
+      if (stop(i)) force_here = std::max(force_here, 0.0);
+      continue;
+    }
+    if (acceleration.empty()) {
+      acceleration.resize(size());
+      force(t, u, w, acceleration);
+      force_of_rows = acceleration;
+      accelerate(acceleration);
+    }
+    const JointRow row = joint_row(i);
+    const double inertia = row.inertia[0] * acceleration[row.node] + row.inertia[1] * acceleration[row.next] +
+                           row.inertia[2] * acceleration[row.beyond];
+    force_here = std::max(0.0, row.sign * (inertia - force_of_rows[row.node]));
+  }
+  return forces;
 }
 
 double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {

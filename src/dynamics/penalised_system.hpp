@@ -25,6 +25,9 @@ namespace viscobar {
 /// At epsilon = 0 this is the rigid obstacle: k is infinite, a closed node is held at -s gap, its reaction is what its
 /// row lacks, and it opens when that reaches zero. A node with mass has an impact as it closes, see collide().
 ///
+/// A contact at a joint of a chain pushes two nodes apart, R_i (e_b - e_a), by their clearance u_b - u_a + gap: where
+/// it is rigid their rows are added and their velocities are one (docs/bars-in-line.md).
+///
 /// An end may have a Stop of its own instead of the penalty. A linear one is a k_i and a b_i like any; another adds its
 /// force N(d_i, d_i'), and no more to the matrices. It is closed while it pushes, see push_weights().
 ///
@@ -73,11 +76,12 @@ class PenalisedSystem {
 
   /// Puts the node of contact i on its obstacle.
   void place_on_obstacle(std::size_t i, std::span<double> u) const {
-    u[contact(i).unknown] = -contact(i).sign * offsets_[i];
+    const std::size_t node = contact(i).unknown;
+    u[node] = contact(i).joint > 0 ? u[node - 1] - offsets_[i] : -contact(i).sign * offsets_[i];
   }
   /// s_i times the displacement of the node of contact i, plus gap_i.
   double clearance(std::size_t i, std::span<const double> u) const {
-    return contact(i).sign * u[contact(i).unknown] + offsets_[i];
+    return contact(i).sign * contact(i).of(u) + offsets_[i];
   }
   /// The same at u = 0.
   double clearance_at_origin(std::size_t i) const { return offsets_[i]; }
@@ -88,15 +92,17 @@ class PenalisedSystem {
   ///     a contact that holds(), while it is closed
   ///                                         (h/E) times minus its reaction R, s (u_1 + (eta/E) w_1 + (h/E) (M f)_i -
   ///                                         (h/E) (rho M a)_i) + gap
+  ///     a closed contact that holds two nodes of a joint
+  ///                                         (h/E) times minus N, by the row of that of them which is a bar's
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;
   /// Weights in p of the values of those entries, in their order, and where it needs_rates() of the rates of the
   /// last two.
   struct IndicatorWeights {
-    std::array<double, 5> values{};  ///< beyond the third only with a side that resists
-    std::array<double, 3> rates{};
-    bool sided = false;
+    std::array<double, 7> values{};  ///< beyond the third only with a side that resists, or at a joint
+    std::array<double, 5> rates{};
+    bool sided = false;                           ///< true if those count
     bool alone = true;                            ///< the first value is all that it takes
     std::optional<double> offset = std::nullopt;  ///< the rest, where it is the same at all times
 
@@ -124,7 +130,8 @@ class PenalisedSystem {
   double contact_rate(std::size_t i) const { return rates_[i]; }
   /// True if a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
   /// accept one only where the oscillation is below their tolerance.
-  bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0; }
+  /// Two nodes at a joint are not: the motion of both is what steps resolve.
+  bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0 && contact(i).joint == 0; }
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
   bool has_come_to_rest(std::size_t i, double time) const;
@@ -162,7 +169,7 @@ class PenalisedSystem {
   /// True if contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
   /// gives way by less than the rounding of the strain, kappa = k h / E > (1 + eta / (h sqrt(E rho))) / rounding.
   bool holds(std::size_t i) const { return holds_[i] != 0; }
-  bool held(std::size_t unknown) const;  ///< by a closed contact that holds()
+  bool held(std::size_t unknown) const;  ///< by a closed contact that holds(), against the ground
   /// True if contact i is closed on a node without mass and a stiff spring, kappa > 1e4, whose penetration is at once
   /// what the strain beside it makes of it.
   bool relaxes(std::size_t i) const;
@@ -251,6 +258,8 @@ class PenalisedSystem {
   /// Reactions of the contacts at the left and the right end, and of those of a span obstacle, in the direction of u,
   /// the sum of s_i R_i.
   std::array<double, 3> reactions(double t, std::span<const double> u, std::span<const double> w);
+  /// N of each contact of a joint, of closed ones, in the order of the contacts; 0 of the others.
+  std::vector<double> joint_forces(double t, std::span<const double> u, std::span<const double> w);
 
   /// Reaction of a closed contact that holds(), as its row gives it, of either sign.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
@@ -267,6 +276,17 @@ class PenalisedSystem {
   PenaltyLaw tangent(std::size_t i, double clearance, double w) const;
   /// Makes contact i, not linear in the bar, one of that linear law here: of a derivative, which has its tangent.
   void linearise(std::size_t i, const PenaltyLaw& tangent);
+
+  /// The row of the end of a bar beside contact i, at a joint, without the contact itself,
+  ///
+  ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next) - (M f)_node.
+  struct JointRow {
+    std::size_t node, next, beyond;  ///< unknowns, from the joint inwards
+    double sign;                     ///< 1 where the bar is to the right of the joint, -1 to the left
+    double stiffness, viscosity;     ///< k, c
+    std::array<double, 3> inertia;
+  };
+  JointRow joint_row(std::size_t i) const;
 
   /// Energy of the springs of closed contacts.
   double contact_energy(std::span<const double> u) const;
@@ -286,9 +306,16 @@ class PenalisedSystem {
   Values dissipated_power(auto&& w, const Values& squared_strain_rate) const {
     Values power = bar_.bar().viscosity * squared_strain_rate;
     for (const Mount& mount : bar_.mounts()) power += mount.dashpot * w(mount.unknown) * w(mount.unknown);
-    if (dashpots_)
-      for (std::size_t i = 0; i < laws_.size(); ++i)
-        if (closed(i)) power += laws_[i].damping * w(contact(i).unknown) * w(contact(i).unknown);
+    for (std::size_t i = 0; dashpots_ && i < laws_.size(); ++i) {
+      if (!closed(i)) continue;
+      const std::size_t node = contact(i).unknown;
+      if (contact(i).joint == 0) {
+        power += laws_[i].damping * w(node) * w(node);
+      } else {
+        const Values apart = w(node) - w(node - 1);
+        power += laws_[i].damping * apart * apart;
+      }
+    }
     if (const SideRows* side = bar_.side(); side && side->has_drag()) {
       const Values still = power - power;
       power += side->drag_power([&, first = bar_.first_node()](std::size_t j) -> Values {
@@ -337,6 +364,8 @@ class PenalisedSystem {
 
  private:
   bool massless(std::size_t unknown) const { return bar_.massless(unknown); }
+  void add_joint_weights(std::size_t i, IndicatorWeights& weights) const;
+  bool has_one_sided() const { return !bar_.inertia().one_sided.empty(); }
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;
   bool gives_way_by_rounding(std::size_t i) const;
@@ -358,7 +387,9 @@ class PenalisedSystem {
   std::vector<double> displacement(std::span<const double> u) const;
   double frame_energy(const BarSystem& bar, double t, std::span<const double> u, std::span<const double> w) const;
   // True if contact i is a closed one of that node.
-  bool closed_at(std::size_t i, std::size_t unknown) const { return closed(i) && contact(i).unknown == unknown; }
+  bool closed_at(std::size_t i, std::size_t unknown) const {
+    return closed(i) && contact(i).unknown == unknown && contact(i).joint == 0;
+  }
 
   const BarSystem& bar_;
   std::vector<PenaltyLaw> laws_;

@@ -81,7 +81,10 @@ TomlNode tree_of(const Json& json, const std::string& key = "") {
 }
 
 // Where describe() tells a key.
-std::ptrdiff_t rank(std::string_view key) { return is_parameter(key) ? -1 : find_scene_key(key) - scene_keys().data(); }
+std::ptrdiff_t rank(std::string_view key) {
+  if (is_parameter(key)) return -1;
+  return (is_member_key(key) ? find_scene_key("bar.length") : find_scene_key(key)) - scene_keys().data();
+}
 
 }  // namespace
 
@@ -95,6 +98,14 @@ void put(Json& tables, const SceneValues& values) {
     const std::size_t dot = key.find('.');
     if (dot == key.npos) {
       tables[key] = json_of(value);
+      continue;
+    }
+    if (is_member_key(key)) {
+      const std::string_view table = table_of(key);
+      const auto number = static_cast<std::size_t>(std::stoul(std::string(table.substr(dot + 1))));
+      Json& list = *tables.emplace(key.substr(0, dot), Json::array()).first;
+      while (list.size() < number) list.push_back(Json::object());
+      list[number - 1][std::string(key.substr(table.size() + 1))] = json_of(value);
       continue;
     }
     // Not by [] on nothing: nlohmann's 3.11.2 ends by a signal where it finds no memory for a table made so.
@@ -130,6 +141,13 @@ std::string scene_text(const SceneValues& values) {
   put(scene, values);
   std::string top, tables;
   for (const auto& [name, value] : scene.items()) {
+    if (value.is_array() && !value.empty() && value.front().is_object()) {
+      for (const Json& member : value) {
+        tables += fmt::format("[[{}]]\n", name);
+        for (const auto& [key, entry] : member.items()) tables += fmt::format("{} = {}\n", key, toml_of(entry));
+      }
+      continue;
+    }
     if (!value.is_object()) {
       top += fmt::format("{} = {}\n", name, toml_of(value));
       continue;

@@ -39,9 +39,11 @@ std::string listed(std::span<const std::string_view> names) {
 }
 
 std::string suggestion(const SceneKey* nearest, std::string_view table) {
+  const bool of_member = is_member_table(table);
+  if (of_member) table = table.substr(0, table.find('.'));
   if (nearest) return fmt::format("; nearest is \"{}\"", nearest->table() == table ? nearest->leaf() : nearest->name);
   std::vector<std::string_view> siblings;
-  for (const SceneKey& key : scene_keys())
+  for (const SceneKey& key : of_member ? member_keys() : scene_keys())
     if (key.table() == table) siblings.push_back(key.leaf());
   return fmt::format("; known here: {}", listed(siblings));
 }
@@ -66,6 +68,27 @@ std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::stri
     }
   }
   return all;
+}
+
+// Tables [[bar]] and [[joint]] by their numbers, bar.1, bar.2; one [[bar]] alone is a [bar].
+void number_members(TomlNode& root) {
+  std::vector<TomlNode> all;
+  for (TomlNode& node : root.inside) {
+    const auto is_table = [](const TomlNode& one) { return one.kind == TomlNode::Kind::table; };
+    const bool members = (node.key == "bar" || node.key == "joint") && node.kind == TomlNode::Kind::array &&
+                         !node.inside.empty() && std::ranges::all_of(node.inside, is_table);
+    if (!members) {
+      all.push_back(std::move(node));
+      continue;
+    }
+    const bool alone = node.key == "bar" && node.inside.size() == 1;
+    for (std::size_t k = 0; k < node.inside.size(); ++k) {
+      TomlNode& member = node.inside[k];
+      member.key = alone ? "bar" : fmt::format("{}.{}", node.key, k + 1);
+      all.push_back(std::move(member));
+    }
+  }
+  root.inside = std::move(all);
 }
 
 }  // namespace
@@ -107,6 +130,7 @@ void SceneEntries::add_text(const std::string& text) {
     report_at({end_.source, error.at}, "", error.what());
     return;
   }
+  number_members(read);
   end_.at = position_in(text, text.size());
 
   // A misspelt table or key stands for the one it resembles, unless that one is there, too: so its values are checked,
@@ -158,15 +182,14 @@ void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPositi
     return;
   }
   const std::string source(override_source);
-  const std::size_t dot = name.find('.');
-  const std::string table(dot == name.npos ? "" : name.substr(0, dot));
+  const std::string table(table_of(name));
   const Place place{source, key_at};
   if (!table.empty()) {
     if (!is_scene_table(table)) return report_at(place, name, unknown_table(table));
     tables_.try_emplace(table, place);
   }
   TomlNode entry;
-  entry.key = name.substr(dot + 1);
+  entry.key = table.empty() ? name : name.substr(table.size() + 1);
   entry.value = std::move(value);
   entry.key_at = key_at;
   entry.value_at = value_at;
@@ -176,8 +199,8 @@ void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPositi
 // As if the scene did not have the key, nor a table that is empty then.
 void SceneEntries::unset(std::string_view name) {
   entries_.erase(std::string(name));
-  const std::string_view table = find_scene_key(name)->table();
-  const auto of_table = [&](const auto& entry) { return find_scene_key(entry.first)->table() == table; };
+  const std::string_view table = table_of(name);
+  const auto of_table = [&](const auto& entry) { return table_of(entry.first) == table; };
   if (std::none_of(entries_.begin(), entries_.end(), of_table)) tables_.erase(std::string(table));
 }
 
@@ -202,7 +225,8 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
   const Place key_place{source, entry.key_at};
   Entry value{entry.value, {source, entry.value_at}};
   if (const SceneKey* key = find_scene_key(table, entry.key)) {
-    const std::string name = table == "parameters" ? fmt::format("parameters.{}", entry.key) : std::string(key->name);
+    const bool named = table == "parameters" || is_member_table(table);
+    const std::string name = named ? fmt::format("{}.{}", table, entry.key) : std::string(key->name);
     entries_.insert_or_assign(name, std::move(value));
   } else if (table.empty() && is_scene_table(entry.key)) {
     report_at(key_place, entry.key,
@@ -219,7 +243,10 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
                   ? fmt::format("unknown key; write {} below [{}], or {} without quotes", nearest->leaf(),
                                 nearest->table(), nearest->name)
                   : "unknown key" + suggestion(nearest, table));
-    if (nearest) entries_.try_emplace(std::string(nearest->name), std::move(value));
+    if (nearest)
+      entries_.try_emplace(
+          is_member_table(table) ? fmt::format("{}.{}", table, nearest->leaf()) : std::string(nearest->name),
+          std::move(value));
   }
 }
 
@@ -285,7 +312,7 @@ void SceneEntries::fill_in() {
   for (const SceneKey& key : scene_keys()) {
     const TomlValue* value = find(key.name);
     if (!value && !faulty(key.name)) {
-      if (key.presence == Presence::required ||
+      if ((key.presence == Presence::required && !(key.table() == "bar" && members("bar") > 0)) ||
           (key.presence == Presence::required_in_table && tables_.contains(key.table())))
         report(key.name, "is missing: {}", key.meaning);
       else if (!key.fallback.empty())
@@ -296,8 +323,14 @@ void SceneEntries::fill_in() {
   in_force_ = std::move(in_force);
 }
 
+std::size_t SceneEntries::members(std::string_view table) const {
+  std::size_t count = 0;
+  while (tables_.contains(fmt::format("{}.{}", table, count + 1))) ++count;
+  return count;
+}
+
 const TomlValue* SceneEntries::find(std::string_view key) const {
-  if (in_force_.empty() || is_parameter(key)) {
+  if (in_force_.empty() || is_parameter(key) || is_member_key(key)) {
     const auto entry = entries_.find(key);
     return entry == entries_.end() ? nullptr : &entry->second.value;
   }
@@ -344,7 +377,7 @@ const TomlValue* SceneEntries::sound_value(std::string_view key) const { return 
 
 SceneEntries::Place SceneEntries::place_of(std::string_view key) const {
   if (const auto entry = entries_.find(key); entry != entries_.end()) return entry->second.place;
-  const auto table = tables_.find(key.substr(0, key.find('.')));
+  const auto table = tables_.find(table_of(key));
   return table == tables_.end() ? end_ : table->second;
 }
 

@@ -37,6 +37,8 @@ class SceneEntries {
   /// False when the text is not TOML: what it holds is unknown then.
   bool readable() const { return readable_; }
   bool has_table(std::string_view table) const { return tables_.contains(table); }
+  /// How many tables [[bar]] of several, or [[joint]], there are; 0 for one bar.
+  std::size_t members(std::string_view table) const;
   bool present(std::string_view key) const { return find(key) != nullptr; }
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }

@@ -9,6 +9,7 @@
 #include "case/method_table.hpp"
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
+#include "input/scene_chain.hpp"
 #include "input/scene_entries.hpp"
 #include "input/scene_stop.hpp"
 #include "input/scene_values.hpp"
@@ -145,6 +146,7 @@ Case case_of(SceneEntries& entries) {
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
   run.grading = number("mesh.grading", 1.0);
   take_nodes(entries, run);
+  take_chain(entries, run);
   if (entries.present("mesh.mass")) run.mass = chosen(entries, "mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
   run.restitution = entries.number("contact.restitution");
@@ -270,6 +272,9 @@ void check_motion(SceneEntries& entries) {
     const auto formula = entries.formula(key);
     return entries.faulty(key) || (formula && !formula->is_constant());
   };
+  for (std::size_t k = 1; k <= entries.members("bar"); ++k)
+    for (const char* leaf : {"displacement", "velocity"})
+      if (entries.given(fmt::format("bar.{}.{}", k, leaf))) return;
   if (entries.given("initial.displacement") || entries.given("initial.velocity") || entries.has_table("load") ||
       entries.present("left.force") || entries.present("right.force") || moves("left.motion") ||
       moves("right.motion") || moves("left.gap") || moves("right.gap"))
@@ -350,6 +355,10 @@ SceneValues describe(const SceneEntries& entries, const Case& run) {
   for (const auto& [name, value] : entries.parameters()) values.emplace_back("parameters." + name, value);
   for (const SceneKey& key : scene_keys()) {
     const std::string name(key.name);
+    if (!run.scene.chain.empty() && key.table() == "bar") {
+      if (key.leaf() == "length") describe_chain(entries, run, values);
+      continue;
+    }
     if (name == "method.name")
       values.emplace_back(name, std::string(run.automatic ? automatic : viscobar::name(run.method)));
     else if (name == "output.every")
@@ -387,6 +396,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_load_keys(entries);
     check_side_keys(entries);
     check_nodes(entries);
+    check_chain(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);
     scene.accuracy = accuracy_of(entries, setup);

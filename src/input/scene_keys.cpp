@@ -149,6 +149,25 @@ constexpr SceneKey end_rows[] = {
     {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
 };
+// Of each bar of several in line, and of the joint between it and the next.
+constexpr SceneKey member_rows[] = {
+    {"bar.length", number, optional, "", "1.0", "length", "length of a bar; a rigid body has a mass in its place", positive},
+    {"bar.mass", number, optional, "", "2.0", "density x length", "mass of a rigid body, which has no length: a ram, a bit, a cap", positive},
+    {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
+    {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
+    {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta", not_negative},
+    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "1", "A(x) > 0, x from the left end of this bar; absent: 1", positive, {}, "x"},
+    {"bar.displacement", formula, optional, "", "0.0", "length", "u_0, x from the left end of this bar; absent: initial.displacement, x from that of the chain", {}, {}, "x"},
+    {"bar.velocity", formula, optional, "", "1.0", "length / time", "u_1 likewise; absent: initial.velocity", {}, {}, "x"},
+    {"bar.elements", count, optional, "", "50", "1", "elements of this bar; absent: by the time that a wave takes through it, all together mesh.elements", {1.0, 1e8, "1 to 1e8"}},
+    {"joint.kind", choice, required_in_table, "", "\"contact\"", "", "how a bar hangs together with the next; without a table they are bonded"},
+    {"joint.gap", number, optional, "0.0", "0.05", "length", "between the two where nothing is displaced, of a contact", not_negative},
+    {"joint.law", choice, optional, "", "\"hertz\"", "", "law of the contact, instead of that of [contact]"},
+    {"joint.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", "k of a spring, or of the law of a contact", positive},
+    {"joint.damping", number, optional, "", "1.0", "stress x time / length, or time / length", "c of a dashpot beside the spring, or of the law of a contact", not_negative},
+    {"joint.restitution", number, optional, "", "0.5", "1", of_restitution, {0.0, 1.0, "0 to 1"}},
+    {"joint.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
+};
 // clang-format on
 
 constexpr std::string_view tables[] = {"bar",        "left",        "right", "span",    "initial", "load",
@@ -206,9 +225,12 @@ std::span<const Choice> own_choices(std::string_view key) {
     for (const MethodRow& row : method_table()) methods.push_back({row.name, row.meaning});
     for (const Law law : all_laws) laws.push_back({name(law), meaning(law)});
     for (const EndKind& kind : end_kinds) ends.push_back({kind.name, kind.meaning});
+    std::vector<Choice> joints;
+    for (const JointKind kind : all_joints) joints.push_back({name(kind), meaning(kind)});
     return std::map<std::string_view, std::vector<Choice>>{
         {"mesh.mass", masses},      {"accuracy.of", goals},      {"method.name", methods}, {"contact.law", laws},
-        {"left.contact.law", laws}, {"right.contact.law", laws}, {"left.kind", ends},      {"right.kind", ends}};
+        {"left.contact.law", laws}, {"right.contact.law", laws}, {"left.kind", ends},      {"right.kind", ends},
+        {"joint.kind", joints},     {"joint.law", laws}};
   }();
   return all.at(key);
 }
@@ -259,6 +281,35 @@ std::span<const SceneKey> scene_keys() {
   return keys;
 }
 
+std::span<const SceneKey> member_keys() {
+  static const auto keys = [] {
+    std::vector<SceneKey> all(std::begin(member_rows), std::end(member_rows));
+    for (SceneKey& key : all)
+      if (key.type == choice) key.choices = own_choices(key.name);
+    return all;
+  }();
+  return keys;
+}
+
+bool is_member_table(std::string_view name) {
+  const std::size_t dot = name.find('.');
+  const std::string_view number = dot == name.npos ? std::string_view{} : name.substr(dot + 1);
+  const std::string_view table = name.substr(0, dot);
+  return (table == "bar" || table == "joint") && !number.empty() && number.size() < 7 && number.front() != '0' &&
+         std::ranges::all_of(number, is_digit);
+}
+
+bool is_member_key(std::string_view name) {
+  const std::size_t dot = name.find('.'), second = dot == name.npos ? dot : name.find('.', dot + 1);
+  return second != name.npos && is_member_table(name.substr(0, second));
+}
+
+std::string_view table_of(std::string_view name) {
+  const std::size_t dot = name.find('.');
+  if (dot == name.npos) return {};
+  return name.substr(0, is_member_key(name) ? name.find('.', dot + 1) : dot);
+}
+
 bool is_inner_table(std::string_view name) {
   return name.find('.') != name.npos && std::ranges::any_of(scene_keys(), [&](const SceneKey& key) {
            return key.name.size() > name.size() && key.name.starts_with(name) && key.name[name.size()] == '.';
@@ -271,10 +322,18 @@ bool is_parameter(std::string_view name) { return name.starts_with("parameters."
 
 std::span<const std::string_view> scene_tables() { return tables; }
 
-bool is_scene_table(std::string_view name) { return std::ranges::find(tables, name) != std::end(tables); }
+bool is_scene_table(std::string_view name) {
+  return std::ranges::find(tables, name) != std::end(tables) || is_member_table(name);
+}
 
 const SceneKey* find_scene_key(std::string_view name) {
   if (is_parameter(name)) name = any_parameter;
+  if (is_member_key(name)) {
+    const std::string_view table = name.substr(0, name.find('.')), leaf = name.substr(table_of(name).size() + 1);
+    const auto found = std::ranges::find_if(
+        member_keys(), [&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
+    return found == member_keys().end() ? nullptr : &*found;
+  }
   // A case of a sweep asks 200 times. The last eight characters and the length tell most keys apart.
   static constexpr std::size_t size = 512;
   const auto place = [](std::string_view of) {
@@ -312,20 +371,22 @@ std::optional<std::string_view> meant_name(std::string_view word, std::span<cons
 
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf,
                                   const std::function<bool(const SceneKey&)>& takes) {
+  const std::span<const SceneKey> keys = is_member_table(table) ? member_keys() : scene_keys();
+  if (is_member_table(table)) table = table.substr(0, table.find('.'));
   const auto near = [&](bool of_its_type) {
     std::vector<std::string_view> siblings;
-    for (const SceneKey& key : scene_keys())
+    for (const SceneKey& key : keys)
       if ((key.table() == table || table.empty()) && (!of_its_type || takes(key))) siblings.push_back(key.leaf());
     return meant_name(leaf, siblings);
   };
   auto nearest = near(true);
   if (!nearest) nearest = near(false);  // a slip in the value beside one in the name
   const std::string_view usual = usual_name(leaf);
-  const auto found = std::ranges::find_if(scene_keys(), [&](const SceneKey& key) {
+  const auto found = std::ranges::find_if(keys, [&](const SceneKey& key) {
     if (nearest) return key.leaf() == *nearest && (table.empty() || key.table() == table);
     return (key.leaf() == leaf || key.leaf() == usual) && takes(key);
   });
-  return found == scene_keys().end() ? nullptr : &*found;
+  return found == keys.end() ? nullptr : &*found;
 }
 
 }  // namespace viscobar

@@ -48,7 +48,17 @@ struct SceneKey {
 
 std::span<const SceneKey> scene_keys();
 
-/// The key of this full name; nullptr when there is none. All of [parameters] are the one row parameters.NAME.
+/// Those of the tables [[bar]] and [[joint]] of several bars in line, as "bar.length".
+std::span<const SceneKey> member_keys();
+/// True if that is the name of a key of one of them, "bar.2.length".
+bool is_member_key(std::string_view name);
+/// True if that names such a table, "bar.2".
+bool is_member_table(std::string_view name);
+/// The table of a key by its full name: "bar" of "bar.length", "bar.2" of "bar.2.length"; empty above the first one.
+std::string_view table_of(std::string_view name);
+
+/// The key of this full name; nullptr when there is none. All of [parameters] are the one row parameters.NAME, those of
+/// all tables [[bar]] the rows of one.
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
 

@@ -12,13 +12,13 @@ namespace viscobar {
 namespace {
 
 enum Leaf { law, stiffness, damping, restitution, speed };
-constexpr const char* leaves[] = {"contact.law", "contact.stiffness", "contact.damping", "contact.restitution",
-                                  "contact.speed"};
+constexpr const char* leaves[] = {"law", "stiffness", "damping", "restitution", "speed"};
 
-// `table` is that of an end, or empty: [contact] itself.
-std::string key(const std::string& table, Leaf leaf) {
-  return table.empty() ? std::string(leaves[leaf]) : table + "." + leaves[leaf];
+// `table` is that of an end or a joint, or empty: [contact] itself.
+std::string prefix_of(const std::string& table) {
+  return table.empty() ? "contact." : table.starts_with("joint.") ? table + "." : table + ".contact.";
 }
+std::string key(const std::string& table, Leaf leaf) { return prefix_of(table) + leaves[leaf]; }
 
 std::optional<Law> law_of(const SceneEntries& entries, const std::string& table) {
   const auto word = entries.text(key(table, law));
@@ -71,7 +71,8 @@ void check_law(SceneEntries& entries, const std::string& table) {
 }  // namespace
 
 std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side) {
-  const bool own = entries.given_below(side + ".contact.");
+  const bool of_joint = side.starts_with("joint.");
+  const bool own = of_joint ? entries.present(key(side, law)) : entries.given_below(prefix_of(side));
   const std::string table = own ? side : "";
   const auto known = law_of(entries, table);
   if (!known) return std::nullopt;
@@ -103,6 +104,9 @@ void check_laws(SceneEntries& entries) {
   for (const auto& [prefix, table] :
        {std::pair{"contact.", ""}, {"left.contact.", "left"}, {"right.contact.", "right"}})
     if (entries.given_below(prefix)) check_law(entries, table);
+  for (std::size_t k = 1; k <= entries.members("joint"); ++k)
+    if (const std::string joint = fmt::format("joint.{}", k); entries.text(joint + ".kind") == "contact")
+      check_law(entries, joint);
 }
 
 }  // namespace viscobar

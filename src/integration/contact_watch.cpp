@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -79,8 +80,77 @@ void SpanForce::look_at(std::size_t j, std::span<const double> y) {
   force_[j] = sum;
 }
 
+JointForces::JointForces(const PenalisedSystem& system, RunAccount& account) : system_(system) {
+  std::size_t last = account.joints.size();
+  for (std::size_t i = 0; i < system.contact_count(); ++i) last = std::max(last, system.contact(i).joint);
+  account.joints.resize(last);
+  for (std::size_t i = 0; i < system.contact_count(); ++i)
+    if (const std::size_t number = system.contact(i).joint; number > 0)
+      joints_.push_back({i, &account.joints[number - 1], system.joint_row(i)});
+}
+
+void JointForces::ask_for(std::vector<std::size_t>& entries) {
+  const std::size_t n = system_.size();
+  for (Joint& joint : joints_) {
+    const auto& row = joint.row;
+    std::size_t k = 0;
+    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond}) {
+      joint.positions[k++] = entries.size();
+      entries.push_back(entry);
+    }
+  }
+}
+
+void JointForces::select(std::vector<std::size_t>& positions) const {
+  for (const Joint& joint : joints_)
+    if (system_.closed(joint.contact))
+      positions.insert(positions.end(), joint.positions.begin(), joint.positions.end());
+}
+
+bool JointForces::closed() const {
+  return std::ranges::any_of(joints_, [this](const Joint& joint) { return system_.closed(joint.contact); });
+}
+
+void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
+  for (Joint& joint : joints_) {
+    if (!system_.closed(joint.contact)) continue;
+    const auto& [row, at] = std::tie(joint.row, joint.positions);
+    double stretch = y[at[0]] - y[at[1]];
+    if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
+    joint.momentum[j] =
+        row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] + row.viscosity * stretch;
+    joint.rate[j] = row.stiffness * stretch - system_.load_alone(row.node, t);
+  }
+}
+
+void JointForces::strike(std::size_t contact, double impulse) {
+  for (Joint& joint : joints_)
+    if (joint.contact == contact) joint.account->impulse += impulse;
+}
+
+void JointForces::add(double length, std::size_t order, bool extremes) {
+  for (Joint& joint : joints_) {
+    if (!system_.closed(joint.contact)) continue;
+    const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
+    JointAccount& account = *joint.account;
+    account.impulse +=
+        joint.row.sign * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
+    if (!extremes) continue;
+    const Bernstein inertia = Bernstein::through(used(joint.momentum)).derivative();
+    for (std::size_t j = 0; j <= order; ++j)
+      joint.rate[j] =
+          joint.row.sign * (joint.rate[j] + inertia(static_cast<double>(j) / static_cast<double>(order)) / length);
+    account.peak_reaction = Bernstein::through(used(joint.rate)).largest(account.peak_reaction);
+  }
+}
+
 ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes, bool apart)
-    : system_(system), bar_(system.bar()), extremes_(extremes), apart_(apart), span_(system, account.span) {
+    : system_(system),
+      bar_(system.bar()),
+      extremes_(extremes),
+      apart_(apart),
+      span_(system, account.span),
+      joints_(system, account) {
   for (const bool right : {false, true}) {
     EndAccount& end = right ? account.right : account.left;
     const std::optional<double>& wall = bar_.wall(right);
@@ -101,6 +171,7 @@ void ContactWatch::ask_for(std::vector<std::size_t>& entries) {
       if (positions_.back() == entries.size()) entries.push_back(entry);
     }
   span_.ask_for(entries);
+  joints_.ask_for(entries);
 }
 
 void ContactWatch::select(std::vector<std::size_t>& positions) const {
@@ -110,6 +181,7 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
     first += static_cast<std::ptrdiff_t>(end.entries.size());
   }
   span_.select(positions);
+  joints_.select(positions);
 }
 
 inline std::array<double, 6> ContactWatch::values_of(const End& end, std::span<const double> u,
@@ -129,7 +201,7 @@ void ContactWatch::enter_frame(std::span<const double> u, std::span<const double
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
   const auto holds = [this](std::size_t i) { return system_.closed(i) && system_.holds(i); };
-  springs_ = !bar_.moving() && !span_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
+  springs_ = !bar_.moving() && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
     return end.follows || std::ranges::any_of(end.contacts, holds);
   });
   for (End& end : ends_) {
@@ -144,7 +216,8 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
 }
 
 bool ContactWatch::idle() const {
-  return !extremes_ && !span_.closed() && std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
+  return !extremes_ && !span_.closed() && !joints_.closed() &&
+         std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
 }
 
 bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,
@@ -206,7 +279,7 @@ void ContactWatch::add_rates(double weight, double t, std::span<const double> y)
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {
-  return bar_.moving() || span_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
+  return bar_.moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
            return fastest * (to - seen_) >= room || closed(end);
@@ -227,6 +300,7 @@ void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
     look_at(end, j, t, values);
   }
   span_.look_at(j, y);
+  joints_.look_at(j, t, y);
 }
 
 void ContactWatch::begin_look(double from, double to, std::size_t order) {
@@ -254,12 +328,14 @@ bool ContactWatch::resolved() const {
 
 void ContactWatch::strike(std::size_t i, double impulse) {
   for (End& end : ends_)
-    if (end.unknown == system_.contact(i).unknown) end.account->impulse += impulse;
+    if (end.unknown == system_.contact(i).unknown && system_.contact(i).joint == 0) end.account->impulse += impulse;
+  joints_.strike(i, impulse);
 }
 
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(seen_, length_, order_);
+  joints_.add(length_, order_, extremes_);
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);
@@ -288,17 +364,17 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   const double h = bar_.stretch_at(unknown);
   const SymmetricTridiagonal& inertia = bar_.inertia();
   const bool massless = bar_.massless(unknown);
-  const std::array<double, 3> row = inertia.end_rows ? inertia.end_rows->row(unknown) : std::array<double, 3>{};
+  const std::array<double, 3> row = inertia.one_sided_entries(unknown, unknown > 0);
   End& end = ends_.emplace_back(End{&account, right, bar_.wall(!right).value_or(0.0), unknown});
   if (n > 1) end.next = right ? unknown - 1 : 1;
   end.follows = massless && !bar_.damped();
-  end.modulus = bar_.bar().modulus / h, end.viscosity = bar_.bar().viscosity / h;
+  end.modulus = bar_.bar().modulus / h, end.viscosity = bar_.bar().viscosity / bar_.rate_stretch_at(unknown);
   end.mass = inertia.diagonal[unknown] + row[0], end.beyond = row[2];
   if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
   for (const Mount& mount : bar_.mounts())
     if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
-    if (system_.contact(i).unknown == unknown) end.contacts.push_back(i);
+    if (system_.contact(i).unknown == unknown && system_.contact(i).joint == 0) end.contacts.push_back(i);
   end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {
                  return system_.relative_stiffness(i) < 1.0 && !system_.bent(i);
                });
@@ -317,8 +393,8 @@ void ContactWatch::watch(EndAccount& account, bool right) {
     end.entries.resize(2);
   end.sided = bar_.side() && !massless && !end.contacts.empty();
   const std::size_t beyond = unknown == 0 ? 2 : unknown - 2;
-  if (inertia.end_rows && end.entries.size() == 4) end.entries.push_back(n + beyond);
-  if (inertia.end_rows && end.sided) end.entries.push_back(beyond);
+  if (!inertia.one_sided.empty() && end.entries.size() == 4) end.entries.push_back(n + beyond);
+  if (!inertia.one_sided.empty() && end.sided) end.entries.push_back(beyond);
 }
 
 inline bool ContactWatch::closed(const End& end) const {

@@ -54,6 +54,42 @@ class SpanForce {
   std::array<double, Bernstein::max_degree + 1> force_{};
 };
 
+/// The forces of closed contacts at joints of a chain, each by the row of the end of a bar beside it (see
+/// PenalisedSystem::joint_row),
+///
+///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node,
+///
+/// and the account of it: int N dt, and max N of the polynomial of each step.
+class JointForces {
+ public:
+  /// Both outlive it. Without such contacts it asks for nothing.
+  JointForces(const PenalisedSystem& system, RunAccount& account);
+
+  void ask_for(std::vector<std::size_t>& entries);
+  /// `origin` is added to u to have displacements from here on; empty: nothing.
+  void measure_from(std::span<const double> origin) { origin_ = origin; }
+  void select(std::vector<std::size_t>& positions) const;
+  bool closed() const;
+  /// Sample j of a step, by the entries of all.
+  void look_at(std::size_t j, double t, std::span<const double> y);
+  void strike(std::size_t contact, double impulse);
+  /// Adds a step of that length.
+  void add(double length, std::size_t order, bool extremes);
+
+ private:
+  struct Joint {
+    std::size_t contact;
+    JointAccount* account;
+    PenalisedSystem::JointRow row;
+    std::array<std::size_t, 5> positions{};  // of u_node, u_next, and the three velocities
+    std::array<double, Bernstein::max_degree + 1> momentum{}, rate{};
+  };
+
+  const PenalisedSystem& system_;
+  std::vector<Joint> joints_;
+  std::span<const double> origin_;
+};
+
 /// Keeps the account of the ends and of a span obstacle's force (see RunAccount) over the steps of a stepwise run, on
 /// the polynomials that each step is interpolated by: range of u and peak of R are theirs. The impulse of a closed
 /// contact follows from its node's row,
@@ -84,6 +120,7 @@ class ContactWatch {
   /// `origin` is added to u to have displacements from here on (see PenalisedSystem); empty: nothing.
   void measure_from(std::span<const double> origin) {
     span_.measure_from(origin);
+    joints_.measure_from(origin);
     if (origin.empty()) return;
     for (End& end : ends_) {
       end.origin = origin[end.unknown];
@@ -231,6 +268,7 @@ class ContactWatch {
   bool extremes_, apart_, springs_ = false;
   std::vector<End> ends_;
   SpanForce span_;
+  JointForces joints_;
   std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end
   double length_ = 0.0, seen_ = 0.0;    // of the step looked at, and its end
   std::size_t order_ = 0;

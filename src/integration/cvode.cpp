@@ -70,7 +70,7 @@ class CvodeStepper final : public Multistep {
     if (formulas_ != Formulas::automatic) return formulas_ == Formulas::bdf;
     const BarSystem& bar = leg_.system.bar();
     const Bar& material = bar.bar();
-    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.mesh().smallest();
+    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.finest();
     return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
   }
 

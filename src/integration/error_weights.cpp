@@ -70,8 +70,11 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   const double of_velocity = std::max(relative * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
-      double& weight = weights[system_.contact(i).unknown];
-      weight = std::max(weight, rate / of_velocity);
+      for (std::size_t node = system_.contact(i).unknown, last = node - (system_.contact(i).joint > 0 ? 1 : 0);;
+           --node) {
+        weights[node] = std::max(weights[node], rate / of_velocity);
+        if (node == last) break;
+      }
     }
   const auto w = layout_.w(weights);
   std::ranges::fill(w, 1.0 / of_velocity);

@@ -166,7 +166,7 @@ void EventSearch::look_at(double begin, double t) {
 
 bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
   if (system_.moves(i)) return false;
-  std::array<double, 4> values{};
+  std::array<double, 8> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
   const double p =
@@ -203,7 +203,7 @@ double EventSearch::against(std::size_t i, double t, std::span<const double> y) 
   if (system_.changes_by_row(i))
     return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
   // The indicator of an undamped node without mass is its neighbour's.
-  return system_.closed(i) || system_.bar().massless(node) ? 0.0 : system_.contact(i).sign * w[node];
+  return system_.closed(i) || system_.bar().massless(node) ? 0.0 : system_.contact(i).sign * system_.contact(i).of(w);
 }
 
 double EventSearch::against(std::size_t i, double t) {
@@ -303,6 +303,7 @@ void EventSearch::select_entries(const std::vector<std::size_t>& contacts) {
 
 bool EventSearch::far(std::size_t i) const {
   if (system_.moves(i)) return true;
+  if (system_.contact(i).joint > 0) return false;
   if (lets_go_ && lets_go(i) && system_.closed(i)) return false;
   const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];

@@ -45,6 +45,15 @@ class SnapshotBuilder {
     snapshot.reaction_left = reaction(false);
     snapshot.reaction_right = reaction(true);
     snapshot.reaction_span = reactions[2];
+    if (bar.joints().empty()) return snapshot;
+    joint_forces_.clear();
+    const std::vector<double> of_contacts = system_.joint_forces(t, u, w);
+    auto contact = of_contacts.begin();
+    for (const JointNodes& joint : bar.joints())
+      joint_forces_.push_back(joint.contact ? *contact++
+                                            : joint.stiffness * (nodal_u[joint.node - 1] - nodal_u[joint.node]) +
+                                                  joint.damping * (nodal_v[joint.node - 1] - nodal_v[joint.node]));
+    snapshot.joint_forces = joint_forces_;
     return snapshot;
   }
 
@@ -69,7 +78,8 @@ class SnapshotBuilder {
   PenalisedSystem& system_;
   bool reactions_, interior_;
   std::vector<double> u_, v_;  // where the unknowns are not the displacements of all nodes
-  std::vector<double> a_;      // of all nodes, where an end is fixed
+  std::vector<double> joint_forces_;
+  std::vector<double> a_;  // of all nodes, where an end is fixed
 };
 
 }  // namespace viscobar

@@ -76,7 +76,7 @@ void StepPolynomial::complete() {
 
 bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double length) {
   const Bar& bar = system.bar().bar();
-  const double h = system.bar().mesh().smallest();
+  const double h = system.bar().finest();
   return 12.0 * bar.viscosity / (bar.density * h * h) * length > 48.0;
 }
 
@@ -136,7 +136,7 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
       if (i + 1 < n) beside.uncouple(i);
     }
     const auto rests = [&](std::size_t i) { return std::ranges::find(unresolved_, i) != unresolved_.end(); };
-    if (beside.end_rows) beside.end_rows = beside.end_rows->uncoupled(n, rests);
+    beside.uncouple_one_sided(rests);
     beside_.factorise(beside);
     replaced_ = unresolved_;
   }
@@ -144,9 +144,9 @@ void StepPolynomial::rest_unresolved(std::span<double> a) {
   for (const std::size_t i : unresolved_) {
     if (i > 0) change_[i - 1] += inertia.above(i - 1) * a[i];
     if (i + 1 < n) change_[i + 1] += inertia.below(i) * a[i];
-    if (!inertia.end_rows) continue;
-    if (i < 3) change_[0] += inertia.end_rows->first[i] * a[i];
-    if (n - 1 - i < 3) change_[n - 1] += inertia.end_rows->last[n - 1 - i] * a[i];
+    for (const OneSidedRow& one : inertia.one_sided)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (one.column(k) == i) change_[one.row] += one.entries[k] * a[i];
   }
   for (const std::size_t i : unresolved_) change_[i] = 0.0;
   beside_.solve(change_);

@@ -191,7 +191,7 @@ class StepwisePart {
       if (system_.closed(i)) {
         starts_in_contact_ = true;
         differentiate_closing(t, i, start, approach);
-        const double velocity = approach[system_.contact(i).unknown];
+        const double velocity = system_.contact(i).of(approach);
         if (system_.collides(i)) {
           system_.set_closed(i, false);
           strike(t, i, velocity);
@@ -427,13 +427,13 @@ class StepwisePart {
     const auto switch_one = [&](std::size_t i) {
       const bool opens = system_.closed(i);
       const std::size_t node = system_.contact(i).unknown;
-      const double& velocity = w()[node];
+      const auto velocity = [&] { return system_.contact(i).of(w()); };
       const bool pulled = opens && i == search_.first_contact();
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
       const bool by_push = i == search_.first_contact() && search_.by_push();
       if (sensitivities_) changes_ = sensitivities_->before(t, told, i, by_push, y_);
       if (by_push && layout_.dissipated) y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * system_.stop_energy(i, u());
-      if (!opens) close(t, i, velocity);
+      if (!opens) close(t, i, velocity());
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
       if (!by_push && (!system_.bar().massless(node) || system_.bar().damped())) system_.place_on_obstacle(i, u());
       if (opens) {
@@ -441,7 +441,7 @@ class StepwisePart {
         if (pulled) give_back(system_.contact(i).sign * search_.held_back());
         // A rounding of its penetration is a velocity of a node without mass.
         if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
-        tell_event(told, i, Change::opening, velocity);
+        tell_event(told, i, Change::opening, velocity());
         if (!system_.stop(i) &&
             (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change())))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
@@ -488,7 +488,7 @@ class StepwisePart {
     weights.bounce(i, collision.height);
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
-    const double leaves = w()[system_.contact(i).unknown];
+    const double leaves = system_.contact(i).of(w());
     const bool of_scene = system_.bar().mass_at(system_.contact(i)) > 0.0 ||
                           2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
     const bool counts =

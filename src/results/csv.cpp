@@ -50,6 +50,22 @@ std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges) {
   return row;
 }
 
+std::string joints_header(const Scene& scene) {
+  std::string header = "t";
+  for (std::size_t k = 1; k < scene.chain.size(); ++k)
+    if (scene.chain[k - 1].joint.kind != JointKind::bonded)
+      header += fmt::format(",u_left:{0},u_right:{0},force:{0}", k);
+  return header;
+}
+
+std::string joints_row(const Snapshot& at, std::span<const std::size_t> nodes) {
+  std::string row = fmt::format("{}", at.time);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    row += fmt::format(",{},{},{}", at.u[nodes[k] - 1], at.u[nodes[k]],
+                       k < at.joint_forces.size() ? at.joint_forces[k] : 0.0);
+  return row;
+}
+
 std::string csv_text(const std::string& word) {
   if (word.find_first_of(",\"\r\n") == word.npos) return word;
   std::string quoted = "\"";
@@ -57,10 +73,15 @@ std::string csv_text(const std::string& word) {
   return quoted + '"';
 }
 
-std::string_view name(Where where) { return where == Where::left ? "left" : where == Where::right ? "right" : "span"; }
+std::string_view name(Where where) {
+  constexpr std::string_view names[] = {"left", "right", "span", "joint"};
+  return names[static_cast<std::size_t>(where)];
+}
 
 std::string place(const Event& event) {
-  return event.where == Where::span ? fmt::format("span:{}", event.node) : std::string(name(event.where));
+  return event.where == Where::left || event.where == Where::right
+             ? std::string(name(event.where))
+             : fmt::format("{}:{}", name(event.where), event.node);
 }
 
 }  // namespace viscobar

@@ -33,11 +33,16 @@ std::string sensitivity_row(const Snapshot& at);
 /// gauges.csv: a row per output time, t and gauge_columns().
 std::string gauges_row(const Snapshot& at, std::span<const Gauge> gauges);
 
+/// joints.csv: a row per output time, t and for each joint with a node on either side, those to the right being given,
+/// u to its left and to its right and the force that pushes the two apart.
+std::string joints_header(const Scene& scene);
+std::string joints_row(const Snapshot& at, std::span<const std::size_t> nodes);
+
 /// A word as a cell, RFC 4180: in quotes where it holds a comma, quotes or a new line.
 std::string csv_text(const std::string& word);
 
-std::string_view name(Where where);  ///< left, right or span
-/// left, right or span:<mesh node>
+std::string_view name(Where where);  ///< left, right, span or joint
+/// left, right, span:<mesh node> or joint:<number>
 std::string place(const Event& event);
 
 }  // namespace viscobar

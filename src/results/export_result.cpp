@@ -95,7 +95,7 @@ void check_target(const fs::path& target, std::string_view beginning) {
 void check_sound(const fs::path& result) {
   if (!fs::exists(result / "summary.json")) return;
   for (const VerifiedFile& file : verify_result(result))
-    for (const char* exported : {"summary.json", "field.h5", "ends.csv", "energy.csv", "gauges.csv"})
+    for (const char* exported : {"summary.json", "field.h5", "ends.csv", "energy.csv", "gauges.csv", "joints.csv"})
       if (file.name == exported && file.state == FileState::damaged)
         throw IoError(result / file.name, "is damaged: " + file.reason + "; nothing was exported");
 }

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "dynamics/pieces.hpp"
 #include "input/described_scene.hpp"
 #include "input/scene_keys.hpp"
 #include "results/csv.hpp"
@@ -69,14 +70,20 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   add(energy, run.files.energy, energy_header);
   add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
   add(gauges, !run.gauges.empty(), fmt::format("t,{}", fmt::join(gauge_columns(run.gauges), ",")));
-  read = make_gauges(run.gauges, run.mesh(), run.scene.bar);
+  if (!run.scene.chain.empty()) {
+    const std::vector<Piece> pieces = pieces_of(run.scene, run.mesh());
+    for (std::size_t k = 1; k < pieces.size(); ++k)
+      if (pieces[k].first > pieces[k - 1].last()) joint_nodes.push_back(pieces[k].first);
+    add(joints, !joint_nodes.empty(), joints_header(run.scene));
+  }
+  read = make_gauges(run.gauges, run.mesh(), run.scene);
   std::vector<FieldOrigin::Key> keys;
   for (const Direction& direction : run.directions) keys.push_back({direction.key, unit_of(direction.key, run.scene)});
   if (run.files.field)
-    field.emplace(
-        directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
-        mark && mark->field ? &*mark->field : nullptr,
-        FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.values), keys});
+    field.emplace(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
+                  mark && mark->field ? &*mark->field : nullptr,
+                  FieldOrigin{run.scene.bar, run.scene.units, run.scene.title, mark ? "" : scene_text(scene.values),
+                              keys, element_bars(run.scene, run.mesh())});
 }
 
 void GrowingFiles::take_places() {
@@ -90,6 +97,7 @@ void GrowingFiles::append(const Snapshot& snapshot) {
   if (tables[energy] && snapshot.energy) tables[energy]->print("{}", energy_row(snapshot.time, *snapshot.energy));
   if (tables[sensitivity]) tables[sensitivity]->print("{}", sensitivity_row(snapshot));
   if (tables[gauges]) tables[gauges]->print("{}", gauges_row(snapshot, read));
+  if (tables[joints]) tables[joints]->print("{}", joints_row(snapshot, joint_nodes));
   if (field) field->append(snapshot);
 }
 

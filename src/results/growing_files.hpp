@@ -17,13 +17,15 @@ void check_begin(const std::filesystem::path& file, const Checksum& expected);
 
 /// The files that grow with a run, those that its scene asks for.
 struct GrowingFiles {
-  /// The last ones of a run with directions, and with gauges.
-  enum Table : std::size_t { ends, events, energy, sensitivity, gauges };
-  static constexpr std::array names = {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv"};
+  /// The last ones of a run with directions, with gauges, and of a chain with joints that are not bonded.
+  enum Table : std::size_t { ends, events, energy, sensitivity, gauges, joints };
+  static constexpr std::array names = {"ends.csv",        "events.csv", "energy.csv",
+                                       "sensitivity.csv", "gauges.csv", "joints.csv"};
 
   std::array<std::optional<LineFile>, names.size()> tables;
   std::optional<FieldFile> field;
-  std::vector<Gauge> read;  ///< at the gauges
+  std::vector<Gauge> read;               ///< at the gauges
+  std::vector<std::size_t> joint_nodes;  ///< to the right of the joints
 
   /// As much of them as belongs to a checkpoint.
   struct Mark {

@@ -37,8 +37,8 @@ const std::array<Files, 7>& all_files() {
   static const std::array<Files, 7> files = {
       Files{"summary.json",
             {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv", "field.h5", "field.xdmf",
-             "report.html", "checkpoint.bin", "checkpoint.previous.bin"}},
+            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv", "joints.csv", "field.h5",
+             "field.xdmf", "report.html", "checkpoint.bin", "checkpoint.previous.bin"}},
       Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html", "compare.csv"}},
       Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html", "limit.csv"}},
       Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html", "precision.csv"}},

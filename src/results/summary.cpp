@@ -1,5 +1,7 @@
 #include "results/summary.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -31,6 +33,16 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   add("left", is_obstacle(scene.left), &RunAccount::left);
   add("right", is_obstacle(scene.right), &RunAccount::right);
   add("span", scene.span.has_value(), &RunAccount::span);
+  for (std::size_t k = 1; k < scene.chain.size(); ++k) {
+    if (scene.chain[k - 1].joint.kind != JointKind::contact) continue;
+    Json& json = contacts[fmt::format("joint:{}", k)];
+    if (!account) continue;
+    const JointAccount of = k <= account->joints.size() ? account->joints[k - 1] : JointAccount{};
+    json["closings"] = of.closings;
+    json["time_in_contact"] = of.contact.total(outcome.reached_time);
+    json["impulse"] = of.impulse;
+    json["max_reaction"] = of.peak_reaction;
+  }
   return contacts;
 }
 

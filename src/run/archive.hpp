@@ -49,7 +49,12 @@ void members(Like<Representation> auto& representation, auto&& each) {
 void members(Like<SpanAccount> auto& span, auto&& each) {
   each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction, span.latest);
 }
-void members(Like<RunAccount> auto& account, auto&& each) { each(account.left, account.right, account.span); }
+void members(Like<JointAccount> auto& joint, auto&& each) {
+  each(joint.closings, joint.contact, joint.impulse, joint.peak_reaction);
+}
+void members(Like<RunAccount> auto& account, auto&& each) {
+  each(account.left, account.right, account.span, account.joints);
+}
 void members(Like<Statistics> auto& statistics, auto&& each) {
   each(statistics.unknowns, statistics.steps, statistics.rhs_evaluations, statistics.linear_solves,
        statistics.matrix_factorisations, statistics.event_evaluations, statistics.load_evaluations, statistics.events,

@@ -15,6 +15,13 @@ void RunAccount::count(const Event& event) {
     if (span.closed() == 0) span.contact.open(event.time);
     return;
   }
+  if (event.where == Where::joint) {
+    if (joints.size() < event.node) joints.resize(event.node);
+    JointAccount& joint = joints[event.node - 1];
+    joint.closings += closing;
+    closing ? joint.contact.close(event.time) : joint.contact.open(event.time);
+    return;
+  }
   EndAccount& end = event.where == Where::left ? left : right;
   end.closings += closing;
   if (closing && !end.contact.closed_since) end.latest = {0.0, event.time};

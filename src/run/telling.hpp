@@ -43,7 +43,8 @@ class Telling {
   /// Counts it, too.
   void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
-    Event event{t, contact.where, contact.unknown + system.first_node(), change, velocity, std::nullopt, sensitivities};
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system.first_node();
+    Event event{t, contact.where, node, change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
     told(event);
   }

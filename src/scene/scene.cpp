@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -78,6 +80,47 @@ std::string_view name(Side side) {
   return names[static_cast<std::size_t>(side)];
 }
 
+std::string_view name(JointKind kind) {
+  constexpr std::string_view names[] = {"bonded", "contact", "spring"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string_view meaning(JointKind kind) {
+  constexpr std::string_view meanings[] = {"as one bar", "they meet and part",
+                                           "a spring and a dashpot, which pull as well"};
+  return meanings[static_cast<std::size_t>(kind)];
+}
+
+Bar whole_of(const std::vector<Member>& chain) {
+  double length = 0.0, time = 0.0, impedance = 0.0, relaxation = 0.0, dashpot = 0.0;
+  const Bar* first = nullptr;
+  bool of_density = true, of_modulus = true, of_viscosity = true;
+  for (const Member& member : chain) {
+    dashpot = std::max(dashpot, member.joint.kind == JointKind::spring ? member.joint.damping : 0.0);
+    if (member.rigid()) continue;
+    const Bar& bar = member.bar;
+    if (!first) first = &bar;
+    of_density &= bar.density == first->density;
+    of_modulus &= bar.modulus == first->modulus;
+    of_viscosity &= bar.viscosity == first->viscosity;
+    const double transit = bar.length * std::sqrt(bar.density / bar.modulus);
+    length += bar.length;
+    time += transit;
+    impedance += transit * std::sqrt(bar.density * bar.modulus);
+    relaxation = std::max(relaxation, bar.viscosity / bar.modulus);
+  }
+  if (!first) return {0.0, 1.0, 1.0, 0.0};
+  const double speed = length / time;
+  Bar whole{length, impedance / time / speed, impedance / time * speed, 0.0};
+  if (of_modulus) whole.modulus = first->modulus, whole.density = first->modulus / (speed * speed);
+  if (of_density)
+    whole.density = first->density, whole.modulus = of_modulus ? whole.modulus : speed * speed * first->density;
+  whole.viscosity = of_modulus && of_viscosity ? first->viscosity : relaxation * whole.modulus;
+  // A dashpot between elastic bars: any size will do that makes the chain a damped one.
+  if (whole.viscosity == 0.0) whole.viscosity = dashpot * length;
+  return whole;
+}
+
 std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right) {
   const auto& stop = left.stop ? left.stop : right.stop;
   if (!stop) return std::nullopt;
@@ -90,14 +133,16 @@ std::optional<Finding> law_refusal(std::string_view method, const EndInput& left
 std::vector<Finding> validate(const Scene& scene) {
   std::vector<Finding> findings;
   const Bar& bar = scene.bar;
-  const auto positive = [&](const char* key, double value) {
-    require(findings, std::isfinite(value) && value > 0.0, key, "must be positive and finite, is {}", value);
+  const auto check_bar = [&](const std::string& table, const Bar& one) {
+    for (const auto& [key, value] :
+         {std::pair{".length", one.length}, {".density", one.density}, {".modulus", one.modulus}})
+      require(findings, std::isfinite(value) && value > 0.0, table + key, "must be positive and finite, is {}", value);
+    require(findings, std::isfinite(one.viscosity) && one.viscosity >= 0.0, table + ".viscosity",
+            "must be finite and not negative, is {}", one.viscosity);
   };
-  positive("bar.length", bar.length);
-  positive("bar.density", bar.density);
-  positive("bar.modulus", bar.modulus);
-  require(findings, std::isfinite(bar.viscosity) && bar.viscosity >= 0.0, "bar.viscosity",
-          "must be finite and not negative, is {}", bar.viscosity);
+  if (scene.chain.empty()) check_bar("bar", bar);
+  for (std::size_t m = 0; m < scene.chain.size(); ++m)
+    if (!scene.chain[m].rigid()) check_bar(fmt::format("bar.{}", m + 1), scene.chain[m].bar);
   check_end(findings, "left", scene, scene.left, scene.left_input, 0.0);
   check_end(findings, "right", scene, scene.right, scene.right_input, bar.length);
   if (scene.span)

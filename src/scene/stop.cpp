@@ -40,7 +40,8 @@ std::string_view meaning(Law law) { return row(law).meaning; }
 bool has_damper(Law law) { return row(law).damper != Damper::none; }
 
 std::string Stop::key(std::string_view end, std::string_view leaf) const {
-  return shared ? fmt::format("contact.{}", leaf) : fmt::format("{}.contact.{}", end, leaf);
+  if (shared) return fmt::format("contact.{}", leaf);
+  return fmt::format("{}{}.{}", end, end.starts_with("joint.") ? "" : ".contact", leaf);
 }
 
 bool Stop::linear() const { return row(law).power == 1.0 && row(law).damper != Damper::proportional; }

@@ -128,9 +128,9 @@ double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std
   double sum = 0.0;
   if (!system_.rows_alike()) {
     const std::size_t first = system_.first_node();
-    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / system_.stretch(first + i);
-    if (system_.left_fixed()) sum += node(0) * node(0) / system_.stretch(0);
-    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / system_.stretch(system_.mesh().elements - 1);
+    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / system_.rate_stretch(first + i);
+    if (system_.left_fixed()) sum += node(0) * node(0) / system_.rate_stretch(0);
+    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / system_.rate_stretch(system_.mesh().elements - 1);
     return sum;
   }
   for (std::size_t i = 0; i + 1 < order_.first; ++i) sum += squared(i, i + 1);

@@ -91,11 +91,8 @@ bool LaneScheme::eliminate(bool right, double lever) {
   const auto node = [&](std::size_t i) { return right ? n - 1 - i : i; };
   const auto off = [&](std::size_t i) { return off_[right ? n - 2 - i : i]; };
   std::array<Lanes, 3> first{}, last{};
-  if (const auto& rows = pattern_.inertia.end_rows)
-    for (std::size_t k = 0; k < 3; ++k) {
-      first[k] = (right ? rows->last : rows->first)[k] * inertia_;
-      last[k] = (right ? rows->first : rows->last)[k] * inertia_;
-    }
+  for (const OneSidedRow& one : pattern_.inertia.one_sided)
+    for (std::size_t k = 0; k < 3; ++k) ((one.row == 0) != right ? first : last)[k] = one.entries[k] * inertia_;
   std::experimental::fixed_size_simd_mask<double, lane_count> positive(true);
   const auto inverse_pivot = [&](std::size_t i) -> Lanes& { return to.inverse_pivot[node(i)]; };
   const auto coupling = [&](std::size_t i) -> Lanes& { return to.coupling[node(i)]; };

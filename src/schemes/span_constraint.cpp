@@ -9,7 +9,7 @@ namespace viscobar {
 SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
     : matrix_(matrix),
       split_(matrix),
-      monotone_(!matrix.end_rows && matrix.skew.empty() &&
+      monotone_(matrix.one_sided.empty() && matrix.skew.empty() &&
                 std::all_of(matrix.off_diagonal.begin(), matrix.off_diagonal.end(), [](double o) { return o <= 0.0; })),
       active_(matrix.size(), nowhere),
       wanted_(active_) {
@@ -22,8 +22,8 @@ void SpanConstraint::split() {
     split_.off_diagonal[i] = apart ? 0.0 : matrix_.off_diagonal[i];
     if (!split_.skew.empty()) split_.skew[i] = apart ? 0.0 : matrix_.skew[i];
   }
-  if (matrix_.end_rows)
-    split_.end_rows = matrix_.end_rows->uncoupled(active_.size(), [this](std::size_t i) { return active_[i] != 0; });
+  split_.one_sided = matrix_.one_sided;
+  split_.uncouple_one_sided([this](std::size_t i) { return active_[i] != 0; });
   factor_.factorise(split_);
   ++factorisations_;
 }
@@ -77,11 +77,9 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::
     if (i > 0 && active_[i - 1]) x[i] -= matrix_.below(i - 1) * bound(i - 1);
     if (i + 1 < n && active_[i + 1]) x[i] -= matrix_.above(i) * bound(i + 1);
   }
-  const std::size_t last = n - 1;
-  for (std::size_t k = 1; matrix_.end_rows && k < 3; ++k) {
-    if (!active_[0] && active_[k]) x[0] -= matrix_.end_rows->first[k] * bound(k);
-    if (!active_[last] && active_[last - k]) x[last] -= matrix_.end_rows->last[k] * bound(last - k);
-  }
+  for (const OneSidedRow& one : matrix_.one_sided)
+    for (std::size_t k = 1; k < 3; ++k)
+      if (!active_[one.row] && active_[one.column(k)]) x[one.row] -= one.entries[k] * bound(one.column(k));
   factor_.solve(x);
   ++solves_;
   for (std::size_t i = 0; i < n; ++i)
@@ -92,7 +90,8 @@ void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::
     multiplier[i] = matrix_.diagonal[i] * x[i] - b[i];
     if (i > 0) multiplier[i] += matrix_.below(i - 1) * x[i - 1];
     if (i + 1 < n) multiplier[i] += matrix_.above(i) * x[i + 1];
-    if (matrix_.end_rows && (i == 0 || i == last)) multiplier[i] += matrix_.end_rows->row_times(i, x);
+    for (const OneSidedRow& one : matrix_.one_sided)
+      if (one.row == i) multiplier[i] += one.times(x);
   }
 }
 
@@ -105,10 +104,8 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
     double scale = matrix_.diagonal[i] * std::abs(x[i]) + std::abs(b[i]);
     if (i > 0) scale += std::abs(matrix_.off_diagonal[i - 1] * x[i - 1]);
     if (i + 1 < n) scale += std::abs(matrix_.off_diagonal[i] * x[i + 1]);
-    for (std::size_t k = 0; matrix_.end_rows && k < 3; ++k) {
-      if (i == 0) scale += std::abs(matrix_.end_rows->first[k] * x[k]);
-      if (i + 1 == n) scale += std::abs(matrix_.end_rows->last[k] * x[i - k]);
-    }
+    for (const OneSidedRow& one : matrix_.one_sided)
+      for (std::size_t k = 0; k < 3 && one.row == i; ++k) scale += std::abs(one.entries[k] * x[one.column(k)]);
     const double hidden = tolerance * scale;
     wanted_[i] = active_[i];
     if (active_[i] == nowhere) {

@@ -127,10 +127,78 @@ SymmetricTridiagonal random_with_end_rows(std::size_t n, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   SymmetricTridiagonal matrix{std::vector<double>(n, 3.5), std::vector<double>(n - 1)};
   for (double& off : matrix.off_diagonal) off = uniform(random);
-  EndRows& rows = matrix.end_rows.emplace();
-  for (auto* row : {&rows.first, &rows.last})
-    for (double& entry : *row) entry = 0.5 * uniform(random);
+  for (const bool last : {false, true}) {
+    OneSidedRow& row = matrix.one_sided.emplace_back(OneSidedRow{last ? n - 1 : 0, last, {}});
+    for (double& entry : row.entries) entry = 0.5 * uniform(random);
+  }
   return matrix;
+}
+
+// Of bars in line: nodes inside have rows to both sides, or two neighbours one each, with nothing between.
+SymmetricTridiagonal random_chain(std::size_t n, std::size_t joint, bool apart, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  SymmetricTridiagonal matrix = random_with_end_rows(n, random);
+  const OneSidedRow last = matrix.one_sided.back();
+  matrix.one_sided.pop_back();
+  for (const bool leftwards : {true, false}) {
+    OneSidedRow row{leftwards || !apart ? joint : joint + 1, leftwards, {}};
+    for (double& entry : row.entries) entry = 0.4 * uniform(random);
+    matrix.one_sided.push_back(row);
+  }
+  matrix.one_sided.push_back(last);
+  if (apart) matrix.off_diagonal[joint] = 0.0;
+  return matrix;
+}
+
+TEST(TridiagonalFactor, SolvesWithRowsOfBarsInLine) {
+  std::mt19937 random(15);
+  for (const bool apart : {false, true})
+    for (std::size_t n = 7; n < 40; ++n)
+      for (std::size_t joint = 3; joint + 4 < n; ++joint)
+        for (const bool skew : {false, true}) {
+          SymmetricTridiagonal matrix = random_chain(n, joint, apart, random);
+          if (skew) matrix.skew.assign(n - 1, 0.1);
+          if (skew && apart) matrix.skew[joint] = 0.0;
+          const Matrix full = dense(matrix);
+          std::vector<double> x(n);
+          for (std::size_t i = 0; i < n; ++i) x[i] = std::sin(static_cast<double>(i * i + n));
+          const Vector b =
+              Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(n)).cast<long double>();
+          TridiagonalFactor(matrix).solve(x);
+          const Vector solved =
+              Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(n)).cast<long double>();
+          EXPECT_LE((full * solved - b).cwiseAbs().maxCoeff(), 200 * eps) << n << ' ' << joint << apart << skew;
+          const Matrix inverse = full.inverse();
+          const std::vector<double> diagonal = inverse_diagonal(matrix);
+          for (std::size_t i = 0; i < n; ++i)
+            EXPECT_NEAR(diagonal[i],
+                        static_cast<double>(inverse(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))),
+                        1000 * eps);
+        }
+}
+
+// Of two rows that are tied the sum counts, and they have one value.
+TEST(TridiagonalFactor, TiesTwoRows) {
+  std::mt19937 random(16);
+  for (const bool rows : {false, true})
+    for (std::size_t n = 8; n < 30; ++n)
+      for (std::size_t joint = 3; joint + 4 < n; ++joint) {
+        SymmetricTridiagonal matrix = random_chain(n, joint, true, random);
+        if (!rows) matrix.one_sided.clear();
+        const Matrix full = dense(matrix);
+        matrix.tie(joint);
+        std::vector<double> x(n);
+        for (std::size_t i = 0; i < n; ++i) x[i] = std::sin(static_cast<double>(i * i + n));
+        const Vector b = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(n)).cast<long double>();
+        TridiagonalFactor(matrix).solve(x);
+        EXPECT_EQ(x[joint], x[joint + 1]);
+        const Vector solved =
+            Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(n)).cast<long double>();
+        Vector left = full * solved - b;
+        const auto a = static_cast<Eigen::Index>(joint);
+        left(a) = left(a + 1) = left(a) + left(a + 1);
+        EXPECT_LE(left.cwiseAbs().maxCoeff(), 200 * eps) << n << ' ' << joint;
+      }
 }
 
 TEST(TridiagonalFactor, SolvesWithEndRowsAtEverySize) {
@@ -187,7 +255,7 @@ TEST(LaneFactor, KeepsTheColumnsOfEndRowsInTheInterface) {
   ASSERT_GT(factor.order().rows, 0u);
   EXPECT_GE(factor.order().first, 3u);
   EXPECT_GE(factor.order().last, 3u);
-  EXPECT_TRUE(factor.condensed().end_rows.has_value());
+  EXPECT_EQ(factor.condensed().one_sided.back().row, factor.condensed().size() - 1);
 }
 
 }  // namespace

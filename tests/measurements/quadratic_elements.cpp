@@ -186,7 +186,9 @@ double microseconds(std::size_t elements, bool quadratic) {
     matrix.diagonal[i] = sides * (quadratic ? corner - share * side : h * 5 / 12 + k / h);
     if (i < elements) matrix.off_diagonal[i] = quadratic ? across - share * side : h / 12 - k / h;
   }
-  if (!quadratic) matrix.end_rows = EndRows{{-3 * h / 24, 4 * h / 24, -h / 24}, {-3 * h / 24, 4 * h / 24, -h / 24}};
+  if (!quadratic)
+    matrix.one_sided = {{0, false, {-3 * h / 24, 4 * h / 24, -h / 24}},
+                        {matrix.size() - 1, true, {-3 * h / 24, 4 * h / 24, -h / 24}}};
   const TridiagonalFactor factor(matrix);
   std::vector<double> right(unknowns, 1.0), corners(nodes);
   std::vector<std::vector<double>> history(10, std::vector<double>(2 * unknowns, 1e-3));

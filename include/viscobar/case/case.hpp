@@ -47,6 +47,9 @@ struct Case {
   double grading = 1.0;                     ///< of the mesh towards the ends with an obstacle; 1: uniform
   /// Nodes of the mesh in parts of the length, see Mesh::given; null: none.
   std::shared_ptr<const std::vector<double>> nodes;
+  /// Elements of each member of a chain of bars, none of a rigid one, in the ratio of which it shares `elements`; empty
+  /// for one bar.
+  std::vector<std::size_t> bar_elements;
   std::optional<Mass> mass;  ///< absent: see resolve()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: see resolve()
@@ -70,12 +73,10 @@ struct Case {
   OutputFiles files;           ///< that are written
   std::vector<double> gauges;  ///< places in [0, L], each once, that gauges.csv is of
 
-  /// With the given nodes, or graded towards the ends that have an obstacle.
-  Mesh mesh() const {
-    return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}, nodes};
-  }
+  /// With the given nodes, or graded towards the ends that have an obstacle; of a chain each bar uniform.
+  Mesh mesh() const;
   /// True if no row of the bar differs from the next one.
-  bool rows_alike() const { return grading == 1.0 && !nodes && !scene.section; }
+  bool rows_alike() const { return grading == 1.0 && !nodes && !scene.section && scene.chain.empty(); }
 
   /// 0, every, 2 every, ..., and the end, which is always there. The last interval may be shorter.
   std::vector<double> output_times() const;

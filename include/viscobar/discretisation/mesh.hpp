@@ -29,6 +29,9 @@ struct Mesh {
   Grading grading{};         ///< none: all elements alike
   /// Given nodes in parts of L, from 0 to 1 and rising; null: none, and then there may be a grading.
   std::shared_ptr<const std::vector<double>> given{};
+  /// Elements of each member of a chain of bars, between which there is one of no length where two members have a node
+  /// each; null: one bar.
+  std::shared_ptr<const std::vector<std::size_t>> members{};
 
   /// True if all elements have the same size.
   bool uniform() const { return !given && (grading.ratio == 1.0 || !(grading.left || grading.right)); }
@@ -47,7 +50,7 @@ struct Mesh {
     if (uniform()) return spacing();
     return given ? given_node(j + 1) - given_node(j) : graded_element(j);
   }
-  /// The smallest element; at a marked end, if elements shrink towards one.
+  /// The smallest element that has a length; at a marked end, if elements shrink towards one.
   double smallest() const;
 
  private:

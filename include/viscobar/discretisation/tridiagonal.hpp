@@ -3,65 +3,75 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace viscobar {
 
-/// Entries of the end rows of a matrix beside their symmetric part.
-struct EndRows {
-  std::array<double, 3> first{};  ///< row 0, columns 0, 1, 2
-  std::array<double, 3> last{};   ///< row n-1, columns n-1, n-2, n-3
+/// Entries of one row of a matrix beside its symmetric part, in the columns row, row + 1 and row + 2, or row, row - 1
+/// and row - 2: as the rows of the ends of a bar have them.
+struct OneSidedRow {
+  std::size_t row = 0;              ///< r
+  bool leftwards = false;           ///< columns r - k
+  std::array<double, 3> entries{};  ///< of columns r, r + 1, r + 2, or r, r - 1, r - 2
 
-  /// first . (x_0, x_1, x_2), n >= 3
-  double first_times(std::span<const double> x) const { return first[0] * x[0] + first[1] * x[1] + first[2] * x[2]; }
-  /// last . (x_{n-1}, x_{n-2}, x_{n-3}), n >= 3
-  double last_times(std::span<const double> x) const {
-    const std::size_t n = x.size();
-    return last[0] * x[n - 1] + last[1] * x[n - 2] + last[2] * x[n - 3];
-  }
-
-  /// Entries of the row of unknown `end`, 0 or the last, from the end inwards.
-  const std::array<double, 3>& row(std::size_t end) const { return end == 0 ? first : last; }
-  /// The same times x, which has n entries.
-  double row_times(std::size_t end, std::span<const double> x) const {
-    return end == 0 ? first_times(x) : last_times(x);
-  }
-  EndRows times(double factor) const;  ///< factor times the same
-
-  /// The same, of n rows, without what couples those for which out(i) holds to others.
-  template <class Out>
-  EndRows uncoupled(std::size_t n, Out&& out) const {
-    EndRows rows = *this;
-    for (std::size_t k = 1; k < 3; ++k) {
-      if (out(0) || out(k)) rows.first[k] = 0.0;
-      if (out(n - 1) || out(n - 1 - k)) rows.last[k] = 0.0;
-    }
-    return rows;
+  /// Column of entry k.
+  std::size_t column(std::size_t k) const { return leftwards ? row - k : row + k; }
+  /// entries . x of its columns
+  double times(std::span<const double> x) const {
+    return entries[0] * x[row] + entries[1] * x[column(1)] + entries[2] * x[column(2)];
   }
 };
 
-/// Tridiagonal matrix A, symmetric but for its end rows and its skew part: A = T + (skew part) + (end rows), T(i,i) =
-/// diagonal[i], T(i,i+1) = T(i+1,i) = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a symmetric one no
-/// end rows and no skew part: nothing is stored or multiplied for what is not there.
+/// Tridiagonal matrix A, symmetric but for its one-sided rows and its skew part: A = T + (skew part) + (one-sided
+/// rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i) = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a
+/// symmetric one no one-sided rows and no skew part: nothing is stored or multiplied for what is not there.
 struct SymmetricTridiagonal {
-  std::vector<double> diagonal;       ///< n
-  std::vector<double> off_diagonal;   ///< n - 1, or empty
-  std::optional<EndRows> end_rows{};  ///< of n >= 3 rows with an off_diagonal
-  std::vector<double> skew{};         ///< n - 1, or empty: it is added to A(i,i+1) and taken from A(i+1,i)
+  std::vector<double> diagonal;      ///< n
+  std::vector<double> off_diagonal;  ///< n - 1, or empty
+  /// In rising order, a node's to the left before its to the right; of a bar alone its end rows, the first and the
+  /// last.
+  std::vector<OneSidedRow> one_sided{};
+  std::vector<double> skew{};  ///< n - 1, or empty: it is added to A(i,i+1) and taken from A(i+1,i)
+  /// Rows r, rising, that an infinite spring ties to r + 1, which no one-sided row goes across: x_r = x_{r+1}, in place
+  /// of the rows their sum.
+  std::vector<std::size_t> ties{};
 
   std::size_t size() const { return diagonal.size(); }  ///< n
 
   /// A(i,i)
   double diagonal_entry(std::size_t i) const;
-  /// A(i,i+1) and A(i+1,i), without the end rows.
+  /// A(i,i+1) and A(i+1,i), without one-sided rows.
   double above(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] + skew[i]; }
   double below(std::size_t i) const { return skew.empty() ? off_diagonal[i] : off_diagonal[i] - skew[i]; }  ///< below
-  /// Makes A(i,i+1) and A(i+1,i) zero, but for end rows.
+  /// Makes A(i,i+1) and A(i+1,i) zero, but for one-sided rows.
   void uncouple(std::size_t i) {
     off_diagonal[i] = 0.0;
     if (!skew.empty()) skew[i] = 0.0;
+  }
+  /// Ties row i to i + 1; behind all that are tied.
+  void tie(std::size_t i) {
+    if (off_diagonal.empty()) off_diagonal.resize(size() - 1);
+    ties.push_back(i);
+  }
+  /// Entries of row i towards one side, beside those of T; zeros where it has none.
+  std::array<double, 3> one_sided_entries(std::size_t i, bool leftwards) const {
+    for (const OneSidedRow& one : one_sided)
+      if (one.row == i && one.leftwards == leftwards) return one.entries;
+    return {};
+  }
+  /// Entries of the first or the last row, from the end inwards.
+  std::array<double, 3> end_row(bool last) const;
+  /// True if no one-sided row is that of a node inside.
+  bool one_sided_at_ends() const {
+    return std::ranges::all_of(one_sided, [n = size()](const OneSidedRow& r) { return r.row == 0 || r.row + 1 == n; });
+  }
+  /// Takes from one-sided rows what couples those for which out(i) holds to others.
+  template <class Out>
+  void uncouple_one_sided(Out&& out) {
+    for (OneSidedRow& one : one_sided)
+      for (std::size_t k = 1; k < 3; ++k)
+        if (out(one.row) || out(one.column(k))) one.entries[k] = 0.0;
   }
   /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
@@ -74,15 +84,19 @@ struct SymmetricTridiagonal {
   double quadratic_form(std::span<const double> x) const;
 
   /// True if A is not symmetric.
-  bool unsymmetric() const { return end_rows || !skew.empty(); }
-  /// x . (A - T) y of x(i), y(i): of the end rows, where x has its first and last entry, y three at either end, and of
-  /// the skew part, which has all.
+  bool unsymmetric() const { return !one_sided.empty() || !skew.empty(); }
+  /// x . (A - T) y of x(i), y(i): of one-sided rows, those of the ends where x has its first and last entry, y three at
+  /// either end, and of the skew part, which has all.
   auto unsymmetric_product(auto&& x, auto&& y) const {
     const std::size_t n = size();
     decltype(x(n) * y(n)) sum = 0.0 * y(0);
-    if (end_rows)
-      for (std::size_t k = 0; k < 3; ++k)
-        sum += x(0) * (end_rows->first[k] * y(k)) + x(n - 1) * (end_rows->last[k] * y(n - 1 - k));
+    for (std::size_t k = 0; k < 3 && !one_sided.empty(); ++k) {
+      auto part = sum;
+      part = x(one_sided[0].row) * (one_sided[0].entries[k] * y(one_sided[0].column(k)));
+      for (std::size_t r = 1; r < one_sided.size(); ++r)
+        part += x(one_sided[r].row) * (one_sided[r].entries[k] * y(one_sided[r].column(k)));
+      sum += part;
+    }
     for (std::size_t i = 0; i < skew.size(); ++i) sum += skew[i] * (x(i) * y(i + 1) - x(i + 1) * y(i));
     return sum;
   }
@@ -108,9 +122,11 @@ void row_values(std::size_t n, auto&& at, std::span<double> values) {
   }
 }
 
-/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With end rows A = L D
-/// U without pivoting: L has one entry beside its bidiagonal, (n-1, n-3), and U one, (0, 2); but for those and four
-/// more L = U^T. With a skew part neither L is the transpose of U.
+/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With one-sided rows A
+/// = L D U without pivoting or fill: L has one entry more, (r, r - 2), for a row r that goes to the left, U one, (r, r
+/// + 2), for one that goes to the right, and beside those L = U^T but for one or two entries a row. With a skew part
+/// neither L is the transpose of U. Of two rows that are tied the first has an infinite pivot, and hands the second
+/// what is left of it: L(r + 1, r) = U(r, r + 1) = -1.
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
@@ -127,25 +143,27 @@ class TridiagonalFactor {
   std::size_t size() const { return inverse_pivot_.size(); }  ///< n
 
  private:
-  // Where L and U are no transposes of each other.
-  struct Ends {
-    double upper_01, upper_02, upper_12;  // U(0,1), U(0,2), U(1,2)
-    double upper_last;                    // U(n-2, n-1)
-    double lower_last;                    // L(n-1, n-3)
+  // Where L and U are no transposes of each other, at a row r that goes to one side.
+  struct Patch {
+    std::size_t row;
+    bool leftwards;
+    double upper_before, lower_beyond;            // to the left: U(r-1, r), L(r, r-2)
+    double upper_here, upper_beyond, upper_next;  // to the right: U(r, r+1), U(r, r+2), U(r+1, r+2)
   };
 
-  void factorise_ends(const SymmetricTridiagonal& matrix);
-  void substitute_ends(std::span<double> x) const;
+  void factorise_patched(const SymmetricTridiagonal& matrix);
+  void substitute_patched(std::span<double> x) const;
+  void sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const;
   const double* upper() const { return upper_.empty() ? lower_.data() : upper_.data(); }
 
   std::vector<double> lower_;          // L(i+1,i); empty for a diagonal matrix
   std::vector<double> upper_;          // U(i,i+1), where it is another one
   std::vector<double> inverse_pivot_;  // 1 / D(i,i)
-  std::optional<Ends> ends_;
+  std::vector<Patch> patches_;         // in the order of the one-sided rows
 };
 
-/// Diagonal of A^{-1} in O(n): from the pivots of the eliminations that start at either end, and for what end rows add
-/// to that by Woodbury's formula.
+/// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add
+/// to that by Woodbury's formula, in O(n m^2).
 std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix);
 
 }  // namespace viscobar

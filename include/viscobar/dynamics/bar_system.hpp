@@ -31,19 +31,34 @@ class LoadError : public std::runtime_error {
 };
 
 class VaryingSection;
+struct Piece;
 
-/// Which obstacle a contact belongs to.
-enum class Where { left, right, span };
+/// Where a contact is: at an obstacle, or at a joint of a chain.
+enum class Where { left, right, span, joint };
 
-/// A node that an obstacle bounds: g = s u_node + gap >= 0, with the reaction s R, R >= 0.
+/// A node that an obstacle bounds: g = s u_node + gap >= 0, with the reaction s R, R >= 0. At a joint it is bounded by
+/// the node before it, g = u_node - u_{node-1} + gap, on which R acts in the other direction.
 struct Contact {
   std::size_t unknown = 0;    ///< index among the unknowns
   double gap = 0.0;           ///< >= 0
   double weight = 1.0;        ///< 1 at an end; trapezoidal weight of the node under a span obstacle
   Where where = Where::left;  ///< of the obstacle
   double sign = 1.0;          ///< s: 1 for an obstacle below, -1 for one above
+  std::size_t joint = 0;      ///< number of its joint, from 1; 0: it is not at one
 
-  double clearance(double u) const { return sign * u + gap; }  ///< g
+  double clearance(double u) const { return sign * u + gap; }  ///< g; at a joint of u_node - u_{node-1}
+  /// u_node, or w_node, against what bounds it: at a joint less that of the node before.
+  double of(std::span<const double> x) const { return joint > 0 ? x[unknown] - x[unknown - 1] : x[unknown]; }
+  bool at_end() const { return where == Where::left || where == Where::right; }  ///< of the whole chain
+};
+
+/// A joint of a chain with a node on either side, a contact or a spring.
+struct JointNodes {
+  std::size_t number = 1;  ///< from the left, bonded ones counted
+  std::size_t node = 1;    ///< mesh node to its right; the one before is to its left
+  double stiffness = 0.0;  ///< of a spring
+  double damping = 0.0;    ///< of a spring
+  bool contact = false;    ///< true if it is one
 };
 
 /// Nodal displacement and velocity of the unknowns (n entries each; fixed nodes are not among them).
@@ -116,13 +131,27 @@ class BarSystem {
   const Mesh& mesh() const { return mesh_; }                       ///< that it lives on
   /// True if no row of K, and none of the mass away from the ends, differs from the next one.
   bool rows_alike() const { return inverse_spacing_.empty(); }
-  /// int dx / A over an element: its size, where the section does not vary. By A E / (int dx / A) it is a spring.
+  bool is_chain() const { return chain_; }                           ///< of several bars in line
+  const std::vector<JointNodes>& joints() const { return joints_; }  ///< of a chain, that are not bonded
+  /// int dx / A over an element: its size, where the section does not vary. E / (int dx / A) is a spring. Of a chain E
+  /// is that of bar(): int (E / E_e) dx / A, E / k at a joint that is a spring, infinite at a contact.
   double stretch(std::size_t element) const {
+    if (chain_) return 1.0 / inverse_spacing_[element];
     return places_.empty() ? mesh_.element(element) : places_[element + 1] - places_[element];
   }
+  /// The same of viscosity: eta / (eta / int dx / A). Of bars whose eta / E differ it is another one.
+  double rate_stretch(std::size_t element) const {
+    return inverse_rate_.empty() ? stretch(element) : 1.0 / inverse_rate_[element];
+  }
+  /// h of the element of a bar that has the highest frequency, as one of bar() would have that.
+  double finest() const { return chain_ ? finest_ : mesh_.smallest(); }
   double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
-  /// stretch() of the element to the right of an unknown's node, at the last node of the element to its left.
-  double stretch_at(std::size_t unknown) const { return stretch(std::min(unknown + first_node(), mesh_.elements - 1)); }
+  /// True if it is no joint's, and within the mesh.
+  bool is_element_of_bar(std::size_t element) const;
+  /// The element to the right of an unknown's node, at the last node of a bar the one to its left.
+  std::size_t element_at(std::size_t unknown) const;
+  double stretch_at(std::size_t unknown) const { return stretch(element_at(unknown)); }            ///< of that
+  double rate_stretch_at(std::size_t unknown) const { return rate_stretch(element_at(unknown)); }  ///< of that
   Mass mass() const { return mass_; }                   ///< how inertia is integrated
   const Bar& bar() const { return bar_; }               ///< its material
   bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
@@ -152,7 +181,10 @@ class BarSystem {
     return [x, first = first_node()](std::size_t j) { return j < first || j - first >= x.n ? 0.0 : x(j - first); };
   }
   /// How many row_values() of the unknowns end_power() asks for.
-  std::size_t row_values() const { return inertia_.skew.empty() && whole_inertia_.skew.empty() ? 6 : size(); }
+  std::size_t row_values() const {
+    const bool ends = inertia_.skew.empty() && whole_inertia_.skew.empty() && inertia_.one_sided_at_ends();
+    return ends ? 6 : size();
+  }
   /// The same of displacements, fixed ends at theirs.
   auto displacement_at_nodes(std::span<const double> u) const {
     return at_nodes(u, walls_[0].value_or(0.0), walls_[1].value_or(0.0));
@@ -161,14 +193,15 @@ class BarSystem {
   /// Force, spring, dashpot, mass and motion of the left and the right end.
   const std::array<EndInput, 2>& inputs() const { return inputs_; }
 
-  /// Mass on the end that a contact is of; 0 under a span obstacle.
+  /// Mass on the end that a contact is of; 0 under a span obstacle and at a joint.
   double mass_at(const Contact& contact) const {
-    return contact.where == Where::span ? 0.0 : inputs_[contact.where == Where::right].mass;
+    return contact.at_end() ? inputs_[contact.where == Where::right].mass : 0.0;
   }
-  /// The law of that contact's own, of an end.
+  /// The law of that contact's own, of an end or a joint.
   const std::optional<Stop>& stop(const Contact& contact) const {
     static const std::optional<Stop> none;
-    return contact.where == Where::span ? none : inputs_[contact.where == Where::right].stop;
+    if (contact.joint > 0) return joint_stops_[contact.joint - 1];
+    return contact.at_end() ? inputs_[contact.where == Where::right].stop : none;
   }
 
   /// True if the frame moves.
@@ -178,7 +211,7 @@ class BarSystem {
   bool follows() const { return following_; }  ///< true if the frame moves with them
   /// True if the obstacle of a contact moves in the frame.
   bool moves(const Contact& contact) const {
-    return contact.where != Where::span && !following_ && inputs_[contact.where == Where::right].motion;
+    return contact.at_end() && !following_ && inputs_[contact.where == Where::right].motion.has_value();
   }
   /// gap(t) of a contact, or its derivative: constant where its obstacle does not move. @throws LoadError
   double gap(const Contact& contact, double t, int derivative = 0) const;
@@ -278,7 +311,8 @@ class BarSystem {
   /// `out` (allocates only when `out` grows).
   void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
 
-  /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still).
+  /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still);
+  /// of a chain int (E_e / E) u_x^2 and int (eta_e / eta) w_x^2, joints included.
   double squared_strain(std::span<const double> u) const;
   double squared_strain_rate(std::span<const double> w) const;  ///< int w_x^2
   /// The same of velocities w(i), each an array of them at several times, summed up from `sum`.
@@ -287,7 +321,7 @@ class BarSystem {
     const double uniform = rows_alike() ? 1.0 / mesh_.spacing() : 0.0;
     std::size_t element = 0;
     const auto add = [&](const Values& difference) {
-      sum += difference * difference * (inverse_spacing_.empty() ? uniform : inverse_spacing_[element]);
+      sum += difference * difference * (inverse_spacing_.empty() ? uniform : rate_weights()[element]);
       ++element;
     };
     Values before = w(std::size_t{0});
@@ -363,13 +397,19 @@ class BarSystem {
   // Force of the side on an unknown, by the frame's motion.
   double side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
   void add_masses();
-  std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places) const;
+  const std::vector<double>& rate_weights() const { return inverse_rate_.empty() ? inverse_spacing_ : inverse_rate_; }
+  std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places,
+                                 bool velocity) const;
+  void take_elements(const Scene& scene);
+  void take_joints(const Scene& scene);
   void start_from(std::vector<double> moments);
   void stop_fixed_ends(const Scene& scene);
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+  void unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
   void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // scale K + m rho M
+  void unlike_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
 
   // A field of all nodes with the frame's motion.
   auto moved(const Lift& by, const auto& x) const {
@@ -379,12 +419,17 @@ class BarSystem {
   Mesh mesh_;
   Mass mass_;
   Bar bar_;
-  std::shared_ptr<const VaryingSection> section_;     // null: A = 1
+  bool chain_ = false;
+  double finest_ = 0.0;                               // of a chain
+  std::shared_ptr<const std::vector<Piece>> pieces_;  // one, or those of a chain
+  std::vector<std::optional<Stop>> joint_stops_;      // of its joints
+  std::vector<JointNodes> joints_;
   std::vector<double> places_;                        // int_0^x dx / A of every node; empty without it
   std::array<std::optional<double>, 2> walls_;        // displacement of a fixed end
   std::array<bool, 2> massless_{};                    // the ends
   std::array<std::array<double, 3>, 2> held_rows_{};  // of rho M, of fixed ends, inwards
   std::vector<double> inverse_spacing_;               // 1 / stretch() of every element; empty if all are alike
+  std::vector<double> inverse_rate_;                  // 1 / rate_stretch(), where that is another one
   SymmetricTridiagonal inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;
@@ -442,7 +487,7 @@ class LoadVector {
   bool breaks_within(double from, double to) const;
   void find_distributed(double t);
   template <class Add>
-  void add_moments(double t, std::size_t first, std::size_t last, Add&& add) const;
+  void add_moments(double t, std::size_t first, std::size_t last, Add&& add) const;  // of elements [first, last)
   double distributed(double t, std::size_t node) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;

@@ -31,7 +31,7 @@ class SideRows {
   /// True if M diag(k) or M diag(c) has a skew part, by which k and c vary.
   bool skew() const { return skew_; }
   /// True if the rows have a power of their own.
-  bool has_row_power() const { return skew_ || mass_.end_rows; }
+  bool has_row_power() const { return skew_ || !mass_.one_sided.empty(); }
   double stiffness(std::size_t j) const { return stiffness_.empty() ? 0.0 : stiffness_[j]; }  ///< k at node j
   double drag(std::size_t j) const { return drag_.empty() ? 0.0 : drag_[j]; }                 ///< c at node j
 
@@ -63,15 +63,13 @@ class SideRows {
       before = here;
       here = next;
     }
-    if (!mass_.end_rows) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (first == 0) out[0] = out[0] - mass_.end_rows->first[k] * r(k);
-      if (first + count == last + 1) out[count - 1] = out[count - 1] - mass_.end_rows->last[k] * r(last - k);
-    }
+    for (const OneSidedRow& one : mass_.one_sided)
+      for (std::size_t k = 0; k < 3 && one.row >= first && one.row < first + count; ++k)
+        out[one.row - first] = out[one.row - first] - one.entries[k] * r(one.column(k));
   }
 
   /// Entries of the row of M of an end, from it inwards: columns 0, 1, 2 on the left.
-  std::array<double, 3> end_row(bool right) const;
+  std::array<double, 3> end_row(bool right) const { return mass_.end_row(right); }
   /// (M r)_e of an end.
   double at_end(bool right, auto&& r) const {
     const std::array<double, 3> row = end_row(right);
@@ -93,11 +91,16 @@ class SideRows {
   /// w.M r - w.(S(k) u + S(c) w)
   auto row_power(auto&& w, auto&& u) const {
     decltype(w(0) * u(0)) sum = 0.0;
-    if (mass_.end_rows) {
+    if (const auto& rows = mass_.one_sided; !rows.empty()) {
       const auto r = resistance(u, w);
-      const std::size_t last = mass_.size() - 1;
-      for (std::size_t k = 0; k < 3; ++k)
-        sum += w(0) * mass_.end_rows->first[k] * r(k) + w(last) * mass_.end_rows->last[k] * r(last - k);
+      const auto of = [&](const OneSidedRow& one, std::size_t k) -> decltype(sum) {
+        return w(one.row) * one.entries[k] * r(one.column(k));
+      };
+      for (std::size_t k = 0; k < 3; ++k) {
+        decltype(sum) part = of(rows[0], k);
+        for (std::size_t i = 1; i < rows.size(); ++i) part += of(rows[i], k);
+        sum += part;
+      }
     }
     // The skew part of M diag(c) has none.
     for (std::size_t j = 0; skew_ && has_stiffness() && j < mass_.off_diagonal.size(); ++j)

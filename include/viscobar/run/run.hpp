@@ -46,6 +46,8 @@ struct Snapshot {
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< the same at the right end
   double reaction_span = 0.0;   ///< of a span obstacle on all of its nodes
+  /// N of each of BarSystem::joints(), which pushes its sides apart; valid during the call.
+  std::span<const double> joint_forces{};
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};
   std::optional<EnergyState> energy = std::nullopt;  ///< where Observers asked for the account
@@ -70,9 +72,11 @@ struct ContactPeak {
 struct Event {
   double time = 0.0;                ///< t
   Where where = Where::left;        ///< of the obstacle
-  std::size_t node = 0;             ///< mesh node
+  std::size_t node = 0;             ///< mesh node; of a joint its number, from 1
   Change change = Change::closing;  ///< closing or opening
-  double velocity = 0.0;            ///< u_t of the node: towards the obstacle when it closes, the impact velocity
+  /// u_t of the node: towards the obstacle when it closes, the impact velocity; at a joint that of its right side
+  /// against its left one
+  double velocity = 0.0;
   /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
@@ -155,11 +159,20 @@ struct SpanAccount {
   std::size_t closed() const { return closings - openings; }
 };
 
+/// A contact at a joint of a chain.
+struct JointAccount {
+  std::size_t closings = 0;
+  TimeInContact contact;
+  double impulse = 0.0;        ///< int N dt
+  double peak_reaction = 0.0;  ///< max N
+};
+
 /// Accounts of the ends of the bar and of its obstacles. Nothing in it depends on the output times.
 struct RunAccount {
-  EndAccount left;   ///< at x = 0
-  EndAccount right;  ///< at x = L
-  SpanAccount span;  ///< of a span obstacle
+  EndAccount left;                     ///< at x = 0
+  EndAccount right;                    ///< at x = L
+  SpanAccount span;                    ///< of a span obstacle
+  std::vector<JointAccount> joints{};  ///< up to the last that has had a contact change
 
   /// Counts a contact change.
   void count(const Event& event);

@@ -145,6 +145,46 @@ struct SideResistance {
   SpaceFunction drag{};       ///< c >= 0; empty: none
 };
 
+/// How a member of a chain hangs together with the next.
+enum class JointKind {
+  bonded,   ///< as one: displacement and force are continuous
+  contact,  ///< they meet where a gap between them closes, and push
+  spring    ///< by a spring and a dashpot, which pull as well
+};
+/// In the order of JointKind.
+inline constexpr JointKind all_joints[] = {JointKind::bonded, JointKind::contact, JointKind::spring};
+std::string_view name(JointKind kind);     ///< in a scene file
+std::string_view meaning(JointKind kind);  ///< in half a sentence
+
+/// Between a member of a chain and the next. With u_a to its left, u_b to its right and the force N that pushes the two
+/// apart,
+///
+///     contact  0 <= u_b - u_a + gap  _|_  N >= 0      spring  N = k (u_a - u_b) + c (u_a' - u_b')
+struct Joint {
+  JointKind kind = JointKind::bonded;
+  double gap = 0.0;            ///< of a contact, >= 0, where nothing is displaced
+  std::optional<Stop> stop{};  ///< the law of a contact; absent: as of an obstacle
+  double stiffness = 0.0;      ///< k >= 0 of a spring
+  double damping = 0.0;        ///< c >= 0 of a spring
+};
+
+/// A member of a chain: a bar, or a rigid body, which has a mass and no length. Its functions are of x from its own
+/// left end.
+struct Member {
+  Bar bar{};                                        ///< length 0: rigid
+  double mass = 0.0;                                ///< m > 0 of a rigid one
+  SpaceFunction section{};                          ///< A(x) > 0; empty: 1
+  Places section_places{};                          ///< of A
+  SpaceFunction displacement{};                     ///< u_0
+  SpaceFunction velocity{};                         ///< u_1
+  Joint joint{};                                    ///< to the next member; of the last one none
+  bool rigid() const { return bar.length == 0.0; }  ///< true if it is no bar
+};
+
+/// The bar that a chain is as a whole: its length, the wave speed by which it takes a wave the same time, and the mean
+/// impedance of its bars over that time; the largest eta / E. Bars that are alike are that bar.
+Bar whole_of(const std::vector<Member>& chain);
+
 /// Names of the units of a scene, for labels alone: any may be empty.
 struct Units {
   std::string length;  ///< such as "m"
@@ -172,6 +212,9 @@ struct Scene {
   Places velocity_places{};              ///< of u_1
   SpaceFunction section{};               ///< A(x) > 0; empty: 1, and forces are stresses
   Places section_places{};               ///< of A
+  /// Bars in line from left to right, of two members or more: `bar` is then whole_of() them, and displacement and
+  /// velocity are those of the member that x is in, the left one at a joint. Empty: one bar.
+  std::vector<Member> chain{};
 };
 
 /// A fault of the user's input: the key (as in the scene file) and the problem.
@@ -196,14 +239,29 @@ inline bool is_fixed(const EndCondition& end) { return std::holds_alternative<Fi
 inline std::size_t end_obstacles(const Scene& scene) {
   return std::size_t{is_obstacle(scene.left)} + std::size_t{is_obstacle(scene.right)};
 }
-/// True if an end has a stop with a law of its own.
-inline bool has_stops(const Scene& scene) { return scene.left_input.stop || scene.right_input.stop; }
+/// True if a joint of a chain is a contact for which holds(its law).
+inline bool has_contact_joint(const Scene& scene, auto&& holds) {
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
+    if (const Joint& joint = scene.chain[k].joint; joint.kind == JointKind::contact && holds(joint.stop)) return true;
+  return false;
+}
+/// True if any is.
+inline bool has_contact_joint(const Scene& scene) {
+  return has_contact_joint(scene, [](const std::optional<Stop>&) { return true; });
+}
+/// True if an end or a joint has a stop with a law of its own.
+inline bool has_stops(const Scene& scene) {
+  return scene.left_input.stop || scene.right_input.stop ||
+         has_contact_joint(scene, [](const std::optional<Stop>& stop) { return stop.has_value(); });
+}
 /// True if an obstacle has none, so that penalised methods give it the penalty.
 inline bool has_penalty(const Scene& scene) {
-  return scene.span || (is_obstacle(scene.left) && !scene.left_input.stop) ||
-         (is_obstacle(scene.right) && !scene.right_input.stop);
+  return scene.span || has_contact_joint(scene, [](const std::optional<Stop>& stop) { return !stop; }) ||
+         (is_obstacle(scene.left) && !scene.left_input.stop) || (is_obstacle(scene.right) && !scene.right_input.stop);
 }
-/// True if the bar can touch anything, at an end or along the span.
-inline bool meets_obstacle(const Scene& scene) { return end_obstacles(scene) > 0 || scene.span; }
+/// True if the bar can touch anything, at an end, along the span or at a joint.
+inline bool meets_obstacle(const Scene& scene) {
+  return end_obstacles(scene) > 0 || scene.span || has_contact_joint(scene);
+}
 
 }  // namespace viscobar

@@ -22,9 +22,9 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
 
   const std::size_t elements = system.mesh().elements;
   for (std::size_t node = system.first_node(); node <= system.first_node() + system.size(); ++node) {
-    const double stretch = system.stretch(std::clamp<std::size_t>(node, 1, elements) - 1);  // beyond an end: any
-    stiffness_.push_back(system.bar().modulus / stretch);
-    damping_.push_back(system.bar().viscosity / stretch);
+    const std::size_t element = std::clamp<std::size_t>(node, 1, elements) - 1;  // beyond an end: any
+    stiffness_.push_back(system.bar().modulus / system.stretch(element));
+    damping_.push_back(system.bar().viscosity / system.rate_stretch(element));
   }
 
   std::vector<double> nodal(system.mesh().nodes());
@@ -39,29 +39,38 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
 template <class Real>
 void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
   inertia_ = &inertia;
-  end_rows_ = inertia.end_rows;
-  const EndRows rows = end_rows_.value_or(EndRows{});
   const Index n = massive_end_ - massive_begin_;
+  auto row = inertia.one_sided.begin();
+  Real skipping = 0, skipping_before = 0;  // U(i-1, i+1), U(i-2, i)
   for (Index i = 0; i < n; ++i) {
+    Real pivot = Real(inertia.diagonal[massive_begin_ + i]), below = 0, right = 0, beyond = 0, lost = 0;
     const bool last = i + 1 == n;
-    Real pivot = Real(inertia.diagonal[massive_begin_ + i]);
-    if (end_rows_ && (i == 0 || last)) pivot += i == 0 ? rows.first[0] : rows.last[0];
+    if (!inertia.is_diagonal() && i > 0) below = inertia.below(massive_begin_ + i - 1);  // D(i-1,i-1) L(i,i-1)
+    if (!inertia.is_diagonal() && !last) right = inertia.above(massive_begin_ + i);      // D(i,i) U(i,i+1)
+    for (; row != inertia.one_sided.end() && static_cast<Index>(row->row) == i; ++row) {
+      pivot += row->entries[0];
+      if (row->leftwards) {
+        beyond_.push_back(row->entries[2] * inverse_pivot_[i - 2]);
+        below = below + row->entries[1] - row->entries[2] * upper_[i - 2];
+        lost = row->entries[2] * skipping_before;
+      } else {
+        right += row->entries[1], beyond = row->entries[2];
+        beyond_.push_back(0);
+      }
+    }
     if (i > 0 && !inertia.is_diagonal()) {
-      Real below = inertia.below(massive_begin_ + i - 1);  // D(i-1,i-1) L(i,i-1)
-      if (end_rows_ && last) below = below + rows.last[1] - rows.last[2] * upper_[n - 3];
       lower_.push_back(below * inverse_pivot_[i - 1]);
       pivot -= below * upper_[i - 1];
-      if (end_rows_ && last && n == 3) pivot -= rows.last[2] * upper_02_;
+      pivot -= lost;
     }
     inverse_pivot_.push_back(1 / pivot);
     if (last || inertia.is_diagonal()) continue;
-    Real right = inertia.above(massive_begin_ + i);  // D(i,i) U(i,i+1)
-    if (end_rows_ && i == 0) right += rows.first[1];
-    if (end_rows_ && i == 1) right -= inertia.below(0) * upper_02_;
+    right -= below * skipping;
     upper_.push_back(right * inverse_pivot_[i]);
-    if (i == 0) upper_02_ = rows.first[2] * inverse_pivot_[0];
+    skipping_before = skipping;
+    skipping = beyond * inverse_pivot_[i];
+    if (beyond != 0) beyond_.back() = skipping;
   }
-  if (end_rows_) lower_last_ = rows.last[2] * inverse_pivot_[n - 3];
 }
 
 template <class Real>
@@ -71,11 +80,19 @@ void LinearLeg<Real>::solve_inertia(Vector& force) const {
     for (Index i = 0; i < n; ++i) force[i] *= inverse_pivot_[i];
     return;
   }
-  for (Index i = 1; i < n; ++i) force[i] -= lower_[i - 1] * force[i - 1];
-  if (end_rows_) force[n - 1] -= lower_last_ * force[n - 3];
+  const std::vector<OneSidedRow>& rows = inertia_->one_sided;
+  std::size_t next = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (i > 0) force[i] -= lower_[i - 1] * force[i - 1];
+    for (; next < rows.size() && static_cast<Index>(rows[next].row) == i; ++next)
+      if (rows[next].leftwards) force[i] -= beyond_[next] * force[i - 2];
+  }
   force[n - 1] *= inverse_pivot_[n - 1];
-  for (Index i = n - 1; i-- > 0;) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
-  if (end_rows_) force[0] -= upper_02_ * force[2];
+  for (Index i = n; i-- > 0;) {
+    if (i + 1 < n) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
+    for (; next > 0 && static_cast<Index>(rows[next - 1].row) == i; --next)
+      if (!rows[next - 1].leftwards) force[i] -= beyond_[next - 1] * force[i + 2];
+  }
 }
 
 template <class Real>

@@ -79,9 +79,9 @@ class LinearLeg {
   Real left_displacement_, right_displacement_;  // of fixed ends
   std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
   std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
-  Real upper_02_ = 0, lower_last_ = 0;               // U(0, 2), L(n-1, n-3), where the mass has end rows
-  const SymmetricTridiagonal* inertia_ = nullptr;    // the system's
-  std::optional<EndRows> end_rows_;
+  // Of one-sided rows of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
+  std::vector<Real> beyond_;
+  const SymmetricTridiagonal* inertia_ = nullptr;  // the system's
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;

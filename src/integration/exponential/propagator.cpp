@@ -15,8 +15,10 @@ namespace {
 // Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C|, of a side k / rho and c / rho, + the massless
 // nodes' own relaxation.
 double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
-  const double stiffness = system.bar().modulus / system.mesh().smallest();
-  const double damping = system.bar().viscosity / system.mesh().smallest();
+  double stretch = system.mesh().smallest(), rate_stretch = stretch;
+  for (std::size_t e = 0; system.is_chain() && e < system.mesh().elements; ++e)
+    stretch = std::min(stretch, system.stretch(e)), rate_stretch = std::min(rate_stretch, system.rate_stretch(e));
+  const double stiffness = system.bar().modulus / stretch, damping = system.bar().viscosity / rate_stretch;
   double contact_stiffness = 0.0, contact_damping = 0.0, massless_stiffness = 0.0;
   for (const ClosedContact& contact : closed) {
     const auto node = static_cast<std::size_t>(contact.unknown);

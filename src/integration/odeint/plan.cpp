@@ -38,7 +38,7 @@ struct Spectrum {
 // Bounds: the largest eigenvalue of K against M element by element, plus what a contact adds to its node.
 Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const Bar& bar = system.bar();
-  const double h = system.mesh().smallest();
+  const double h = system.finest();
   const bool diagonal = system.inertia().off_diagonal.empty();
   const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
   double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
@@ -68,7 +68,7 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     contact_decay = std::max(contact_decay, mount.dashpot / masses[mount.unknown]);
   }
   if (system.has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
-  const double open = system.inertia().end_rows ? square * (8.0 / 12.0) : square;
+  const double open = system.inertia().one_sided.empty() ? square : square * (8.0 / 12.0);
   return {std::sqrt(square + std::max(contact_square, mount_square)), std::sqrt(open + mount_square),
           decay + contact_decay};
 }

@@ -30,13 +30,13 @@ std::array<StepPowers::Flow, GaussPowers::points> GaussPowers::operator()(Penali
   put(layout.dissipated, system.dissipated_power(velocity, system.bar().squared_strain_rate(velocity, zero)));
   if (layout.work) put(layout.work, load(system, begin, length));
   if (layout.end_inertia) {
-    const EndRows& rows = *system.bar().inertia().end_rows;
-    const auto power = [&](std::size_t end, const std::array<double, 3>& row) {
+    Points sum = Points::Zero();
+    for (const OneSidedRow& row : system.bar().inertia().one_sided) {
       Points force = Points::Zero();
-      for (std::size_t k = 0; k < row.size(); ++k) force += row[k] * combined(rates, x[end == 0 ? k : end - k]);
-      return (w_[end] * force / length).eval();
-    };
-    put(layout.end_inertia, power(0, rows.first) + power(w.size() - 1, rows.last));
+      for (std::size_t k = 0; k < row.entries.size(); ++k) force += row.entries[k] * combined(rates, x[row.column(k)]);
+      sum += (w_[row.row] * force / length).eval();
+    }
+    put(layout.end_inertia, sum);
   }
   return flows;
 }

@@ -34,11 +34,12 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
   system.dynamic_stiffness(1.0, 0.0, 0.0, mass_);
   system.dynamic_stiffness(0.0, 1.0, 0.0, damping_);
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness_);
-  if (!system.bar().side()) stiffness_.end_rows.reset(), damping_.end_rows.reset();
+  if (!system.bar().side()) stiffness_.one_sided.clear(), damping_.one_sided.clear();
   held_.resize(system.size());
   nodes_.resize(system.size());
   right_.resize(system.size());
   correction_.resize(system.size());
+  flag_rows(system.bar());
   for (std::size_t i = 0; i < held_.size(); ++i) {
     held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
     if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
@@ -65,6 +66,34 @@ void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side)
   }
 }
 
+std::optional<std::size_t> ShiftedSystems::middle_of(const SymmetricTridiagonal& inertia) {
+  const std::size_t n = inertia.size(), middle = n / 2;
+  const auto between = [&](std::size_t i) {
+    return i >= 1 && i + 1 < n && std::ranges::none_of(inertia.one_sided, [i](const OneSidedRow& row) {
+             return row.row == i || (row.leftwards ? row.row == i + 1 : row.row + 1 == i);
+           });
+  };
+  for (std::size_t away = 0; n >= least_size && away < middle; ++away)
+    for (const std::size_t i : {middle + away, middle - away})
+      if (between(i)) return i;
+  return std::nullopt;
+}
+
+// Nodes at which something is to be done beside what each node has.
+void ShiftedSystems::flag_rows(const BarSystem& bar) {
+  const std::size_t n = mass_.size();
+  middle_ = middle_of(bar.inertia()).value();
+  beyond_.resize(mass_.one_sided.size());
+  flags_.assign(n, 0);
+  for (const OneSidedRow& row : mass_.one_sided) {
+    const bool right = row.row > middle_, ahead = row.leftwards == right;
+    flags_[row.row] |= ahead ? amended | goes_ahead : amended | goes_back;
+    const std::size_t inwards = right ? row.row - 1 : row.row + 1, outwards = right ? row.row + 1 : row.row - 1;
+    flags_[ahead ? inwards : outwards] |= amended;
+  }
+  for (const std::size_t tie : mass_.ties) flags_[tie < middle_ ? tie : tie + 1] |= tied;
+}
+
 void ShiftedSystems::factorise(double h) {
   h_ = h;
   double largest = 0.0;  // of elasticity and damping, beside the inertia of the poles, which are some 10
@@ -84,7 +113,7 @@ void ShiftedSystems::factorise(double h) {
   const auto beside = [&](std::size_t i) {
     return entry(mass_.off_diagonal[i], damping_.off_diagonal[i], stiffness_.off_diagonal[i]);
   };
-  const std::size_t n = nodes_.size(), middle = n / 2;
+  const std::size_t n = nodes_.size(), middle = middle_;
   // Either end's elimination, `off` being the entry of node i and the next one, towards the right or the left.
   struct Front {
     Complex pivot, upper, coupling;
@@ -98,22 +127,35 @@ void ShiftedSystems::factorise(double h) {
     front.coupling = front.coupling - skew;
   };
   const bool skew = !mass_.skew.empty() || !stiffness_.skew.empty();
-  const auto row_entry = [&](bool last, std::size_t k) {
+  const auto row_entry = [&](std::size_t r, std::size_t k) {
     const auto of = [&](const SymmetricTridiagonal& matrix) {
-      return !matrix.end_rows ? 0.0 : last ? matrix.end_rows->last[k] : matrix.end_rows->first[k];
+      return matrix.one_sided.empty() ? 0.0 : matrix.one_sided[r].entries[k];
     };
     return entry(of(mass_), of(damping_), of(stiffness_));
   };
-  const auto begin = [&](std::size_t i, std::size_t off, bool last, Complex& beyond) {
+  const auto begin = [&](std::size_t i, std::size_t off, bool last) {
     Front front{diagonal(i), beside(off), beside(off)};
     if (skew) lean(front, off, last ? -1.0 : 1.0);
-    beyond = nothing();
-    if (mass_.end_rows) {
-      front.pivot = front.pivot + row_entry(last, 0);
-      front.upper = front.upper + row_entry(last, 1);
-      beyond = row_entry(last, 2);
-    }
     return front;
+  };
+  // What one-sided rows add to node i and its neighbours. A row that goes ahead, where the elimination goes, has an
+  // entry beyond the next node; of one that goes back the node before that is taken out.
+  const auto amend = [&](Front& front, std::size_t i) {
+    for (std::size_t r = 0; r < beyond_.size(); ++r) {
+      const OneSidedRow& row = mass_.one_sided[r];
+      const bool right = row.row > middle, ahead = row.leftwards == right;
+      if (row.row == i) {
+        front.pivot = front.pivot + row_entry(r, 0);
+        if (ahead) front.upper = front.upper + row_entry(r, 1), beyond_[r] = row_entry(r, 2);
+      } else if (ahead && i == row.column(1)) {
+        front.upper = front.upper - nodes_[row.row].away * beyond_[r];
+        beyond_[r] = beyond_[r] * nodes_[row.row].inverse_pivot;
+      } else if (!ahead && i == row.column(1)) {
+        const Node& out = nodes_[row.column(2)];
+        front.coupling = front.coupling + row_entry(r, 1) - row_entry(r, 2) * out.towards;
+        beyond_[r] = row_entry(r, 2) * out.inverse_pivot;
+      }
+    }
   };
   // Takes node i out; gives what the diagonal of the next one loses. A call would pass the front through memory.
   const auto take_out = [&](std::size_t i, const Front& front) __attribute__((always_inline)) {
@@ -127,31 +169,46 @@ void ShiftedSystems::factorise(double h) {
     front = {diagonal(i) - loss, beside(off), beside(off)};
     if (skew) lean(front, off, off == i ? 1.0 : -1.0);
   };
-  Front left = begin(0, 0, false, beyond_first_), right = begin(n - 1, n - 2, true, beyond_last_);
-  const std::size_t right_count = n - 1 - middle;  // `middle`, or one less
-  Complex of_left = take_out(0, left), of_right = take_out(n - 1, right);
-  for (std::size_t j = 1; j < right_count; ++j) {
+  const auto give_to_next = [&](std::size_t i, const Front& front) -> Complex {
+    Node& here = nodes_[i];
+    here.inverse_pivot = nothing();
+    here.towards = here.away = {Lanes::Constant(-1.0), Lanes::Zero()};
+    return nothing() - front.pivot;
+  };
+  const auto mind = [&](Front& front, std::size_t i, Complex& loss) {
+    if (flags_[i] & amended) amend(front, i);
+    loss = flags_[i] & tied ? give_to_next(i, front) : take_out(i, front);
+  };
+  Front left = begin(0, 0, false), right = begin(n - 1, n - 2, true);
+  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
+  Complex of_left = nothing(), of_right = nothing();
+  mind(left, 0, of_left);
+  mind(right, n - 1, of_right);
+  for (std::size_t j = 1; j < both; ++j) {
     go_on(left, of_left, j, j);
     go_on(right, of_right, n - 1 - j, n - 2 - j);
-    if (j == 1 && mass_.end_rows) {
-      left.upper = left.upper - nodes_[0].away * beyond_first_;
-      right.upper = right.upper - nodes_[n - 1].away * beyond_last_;
+    if (flags_[j] | flags_[n - 1 - j]) {
+      mind(left, j, of_left);
+      mind(right, n - 1 - j, of_right);
+      continue;
     }
     of_left = take_out(j, left);
     of_right = take_out(n - 1 - j, right);
   }
-  if (right_count < middle) {
-    go_on(left, of_left, middle - 1, middle - 1);
-    of_left = take_out(middle - 1, left);
+  for (std::size_t j = both; j < middle; ++j) {
+    go_on(left, of_left, j, j);
+    mind(left, j, of_left);
   }
-  beyond_first_ = beyond_first_ * nodes_[0].inverse_pivot;
-  beyond_last_ = beyond_last_ * nodes_[n - 1].inverse_pivot;
+  for (std::size_t j = both; j < right_count; ++j) {
+    go_on(right, of_right, n - 1 - j, n - 2 - j);
+    mind(right, n - 1 - j, of_right);
+  }
   nodes_[middle].inverse_pivot = held_[middle] ? nothing() : reciprocal(diagonal(middle) - of_left - of_right);
 }
 
 void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
   const std::size_t n = nodes_.size();
-  if (stiffness_.end_rows || !stiffness_.skew.empty()) return multiply_beside(x, out);
+  if (!stiffness_.one_sided.empty() || !stiffness_.skew.empty()) return multiply_beside(x, out);
   double before = 0.0;  // pull of the element on the left
   for (std::size_t i = 0; i < n; ++i) {
     const double pull = i + 1 < n ? stiffness_.off_diagonal[i] * (x[i + 1] - x[i]) : 0.0;
@@ -168,41 +225,57 @@ void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double
     out[i] = bound_[i] * x[i];
     if (i > 0) out[i] += stiffness_.below(i - 1) * (x[i - 1] - x[i]);
     if (i + 1 < n) out[i] += stiffness_.above(i) * (x[i + 1] - x[i]);
-    if (!stiffness_.end_rows || (i > 0 && i + 1 < n)) continue;
-    for (std::size_t k = 1; k < 3; ++k) out[i] += stiffness_.end_rows->row(i)[k] * (x[i == 0 ? k : i - k] - x[i]);
   }
+  for (const OneSidedRow& row : stiffness_.one_sided)
+    for (std::size_t k = 1; k < 3 && !held_[row.row]; ++k)
+      out[row.row] += row.entries[k] * (x[row.column(k)] - x[row.row]);
 }
 
 template <class RightSide>
 void ShiftedSystems::substitute(RightSide&& right_side, std::span<Complex> x) const {
-  const std::size_t n = nodes_.size(), middle = n / 2;
+  const std::size_t n = nodes_.size(), middle = middle_;
+  const auto take_beyond = [&](std::size_t i, unsigned char flag, Complex& at) {
+    if (!(flags_[i] & flag)) return;
+    for (std::size_t r = 0; r < beyond_.size(); ++r) {
+      const OneSidedRow& row = mass_.one_sided[r];
+      const bool ahead = row.leftwards == (row.row > middle);
+      if (row.row == i && ahead == (flag == goes_ahead)) at = at - beyond_[r] * x[row.column(2)];
+    }
+  };
   Complex left = right_side(0), right = right_side(n - 1);
   x[0] = left;
   x[n - 1] = right;
-  const std::size_t right_count = n - 1 - middle;  // middle or one less
-  std::size_t j = 1;
-  for (; j < right_count; ++j) {
+  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
+  const auto out_left = [&](std::size_t j) {
     left = right_side(j) - nodes_[j - 1].away * left;
-    right = right_side(n - 1 - j) - nodes_[n - j].away * right;
+    take_beyond(j, goes_back, left);
     x[j] = left;
+  };
+  const auto out_right = [&](std::size_t j) {
+    right = right_side(n - 1 - j) - nodes_[n - j].away * right;
+    take_beyond(n - 1 - j, goes_back, right);
     x[n - 1 - j] = right;
-  }
-  for (; j < middle; ++j) x[j] = left = right_side(j) - nodes_[j - 1].away * left;
+  };
+  std::size_t j = 1;
+  for (; j < both; ++j) out_left(j), out_right(j);
+  for (std::size_t i = j; i < middle; ++i) out_left(i);
+  for (std::size_t i = j; i < right_count; ++i) out_right(i);
   left = right = x[middle] = nodes_[middle].inverse_pivot *
                              (right_side(middle) - nodes_[middle - 1].away * left - nodes_[middle + 1].away * right);
-  std::size_t i = middle;
-  if (right_count < middle) {
-    --i;
-    x[i] = left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
-  }
-  for (std::size_t k = middle + 1; i > 0; ++k) {
-    --i;
-    x[i] = left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
-    x[k] = right = nodes_[k].inverse_pivot * x[k] - nodes_[k].towards * right;
-  }
-  if (!mass_.end_rows) return;
-  x[0] = x[0] - beyond_first_ * x[2];
-  x[n - 1] = x[n - 1] - beyond_last_ * x[n - 3];
+  const auto in_left = [&](std::size_t i) {
+    left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
+    take_beyond(i, goes_ahead, left);
+    x[i] = left;
+  };
+  const auto in_right = [&](std::size_t k) {
+    right = nodes_[k].inverse_pivot * x[k] - nodes_[k].towards * right;
+    take_beyond(k, goes_ahead, right);
+    x[k] = right;
+  };
+  std::size_t i = middle, k = middle + 1;
+  for (; i > both; --i) in_left(i - 1);
+  for (; n - k > both; ++k) in_right(k);
+  for (; i > 0; --i, ++k) in_left(i - 1), in_right(k);
 }
 
 // Row i of right_side - D x.
@@ -226,14 +299,14 @@ Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::
     inertia = inertia + times(mass_.above(i), x[i + 1]);
     sum = sum - elastic(damping_.above(i), stiffness_.above(i)) * (x[i + 1] - x[i]);
   }
-  if (mass_.end_rows && i == 0)
-    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->first[k], x[k]);
-  if (mass_.end_rows && i + 1 == n)
-    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(mass_.end_rows->last[k], x[n - 1 - k]);
-  if (stiffness_.end_rows && (i == 0 || i + 1 == n))
-    for (std::size_t k = 1; k < 3; ++k)
-      sum =
-          sum - elastic(damping_.end_rows->row(i)[k], stiffness_.end_rows->row(i)[k]) * (x[i == 0 ? k : i - k] - x[i]);
+  for (std::size_t r = 0; r < mass_.one_sided.size() && (flags_[i] & (goes_ahead | goes_back)); ++r) {
+    const OneSidedRow& row = mass_.one_sided[r];
+    if (row.row != i) continue;
+    for (std::size_t k = 0; k < 3; ++k) inertia = inertia + times(row.entries[k], x[row.column(k)]);
+    for (std::size_t k = 1; k < 3 && !stiffness_.one_sided.empty(); ++k)
+      sum = sum -
+            elastic(damping_.one_sided[r].entries[k], stiffness_.one_sided[r].entries[k]) * (x[row.column(k)] - x[i]);
+  }
   return sum - of_mass * inertia;
 }
 

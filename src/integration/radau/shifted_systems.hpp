@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace viscobar::radau {
 class ShiftedSystems {
  public:
   static constexpr std::size_t least_size = 5;  ///< unknowns
+  /// The unknown at which the eliminations from either end meet: next to the middle, where no one-sided row is nor
+  /// goes across. Absent: there is none.
+  static std::optional<std::size_t> middle_of(const SymmetricTridiagonal& inertia);
 
   /// Takes the matrices of the system with its contacts as they are.
   void take(const PenalisedSystem& system);
@@ -40,6 +44,11 @@ class ShiftedSystems {
     Complex away;     // L(next, i), factor of this row in the elimination of the next one
   };
 
+  // Of a node: something is to be done beside what each has; a one-sided row of it has been taken into account where it
+  // goes back, or is to be where it goes ahead; it is tied to the next one.
+  enum Flag : unsigned char { amended = 1, goes_back = 2, goes_ahead = 4, tied = 8 };
+
+  void flag_rows(const BarSystem& bar);
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);
   void multiply_beside(std::span<const double> x, std::span<double> out) const;  // with a side that resists
   template <class RightSide>
@@ -53,7 +62,10 @@ class ShiftedSystems {
   std::vector<Complex> right_, correction_;
   std::vector<unsigned char> held_;
   std::vector<Node> nodes_;
-  Complex beyond_first_, beyond_last_;  // of the row of an end, two nodes on, over its pivot
+  std::size_t middle_ = 0;
+  std::vector<unsigned char> flags_;
+  // Of one-sided rows: U(r, r +- 2) over its pivot of one that goes ahead, L(r, r +- 2) of one that goes back.
+  std::vector<Complex> beyond_;
   double h_ = 0.0;
 };
 

@@ -52,11 +52,8 @@ void StepDerivatives::multiply_inertia(std::span<const Complex> x, std::vector<C
   for (std::size_t i = 1; i + 1 < n; ++i)
     out[i] = inertia.below(i - 1) * x[i - 1] + inertia.diagonal[i] * x[i] + inertia.above(i) * x[i + 1];
   out[n - 1] = inertia.below(n - 2) * x[n - 2] + inertia.diagonal[n - 1] * x[n - 1];
-  if (!inertia.end_rows) return;
-  for (std::size_t j = 0; j < 3; ++j) {
-    out[0] = out[0] + inertia.end_rows->first[j] * x[j];
-    out[n - 1] = out[n - 1] + inertia.end_rows->last[j] * x[n - 1 - j];
-  }
+  for (const OneSidedRow& one : inertia.one_sided)
+    for (std::size_t k = 0; k < 3; ++k) out[one.row] = out[one.row] + one.entries[k] * x[one.column(k)];
 }
 
 void StepDerivatives::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s,

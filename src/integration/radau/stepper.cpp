@@ -385,7 +385,7 @@ class Stepper final : public LegStepper {
 
 }  // namespace
 
-bool takes(const BarSystem& system) { return system.damped() && system.size() >= ShiftedSystems::least_size; }
+bool takes(const BarSystem& system) { return system.damped() && ShiftedSystems::middle_of(system.inertia()); }
 
 std::unique_ptr<LegStepper> make_stepper(const StepperParts& run, const Tolerance& tolerance) {
   return std::make_unique<Stepper>(run, tolerance);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynamics/element_stress.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
@@ -43,7 +44,8 @@ ReportData::ReportData(const Case& run, const BarSystem& system)
       stress(system.mesh(), ThinnedField::At::elements),
       readings(run.gauges.size()),
       system_(system),
-      gauges_(make_gauges(run.gauges, system.mesh(), run.scene.bar)),
+      gauges_(make_gauges(run.gauges, system.mesh(), run.scene)),
+      bars_(element_bars(run.scene, system.mesh())),
       has_springs_(is_penalised(run.method) && !system.contacts().empty()) {}
 
 std::vector<plot::Interval> ReportData::End::in_contact(double now, const ContactPeak& lasting) const {
@@ -67,7 +69,9 @@ void ReportData::Fastest::join(const Fastest& next) {
 }
 
 void ReportData::add(const Snapshot& at) {
-  const auto stress_of = [&](std::size_t j) { return element_stress(system_.bar(), system_.mesh(), at.u, at.v, j); };
+  const auto stress_of = [&](std::size_t j) {
+    return element_stress(bars_.empty() ? system_.bar() : bars_[j], system_.mesh(), at.u, at.v, j);
+  };
   field.add(at.time, at.u);
   stress.add_each(at.time, stress_of);
   const auto add_to = [&](End& end, double u, double reaction, double traction) {
@@ -99,6 +103,7 @@ void ReportData::add(const Snapshot& at) {
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add({event});
+  if (event.where == Where::joint) return;
   if (event.where != Where::span) return (event.where == Where::left ? left : right).add(event);
   if (event.change == Change::closing || event.peak) span.add(event);
   // An end lies on it, too.

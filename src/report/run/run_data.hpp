@@ -139,6 +139,7 @@ class ReportData {
  private:
   const BarSystem& system_;
   const std::vector<Gauge> gauges_;
+  const std::vector<Bar> bars_;  // of each element of a chain
   bool has_springs_;
 };
 

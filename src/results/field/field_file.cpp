@@ -102,6 +102,7 @@ FieldFile::FieldFile(const std::filesystem::path& directory, const Mesh& mesh, s
     : path_(directory / "field.h5"),
       mesh_(mesh),
       bar_(of.bar),
+      bars_(of.bars),
       nodes_(mesh.nodes()),
       block_rows_(std::max<std::size_t>(1, std::min(block_bytes / (sizeof(double) * nodes_), expected_rows))),
       xdmf_(directory / "field.xdmf", nodes_) {
@@ -210,7 +211,7 @@ void FieldFile::append(const Snapshot& snapshot) {
   add(snapshot.u);
   add(snapshot.v);
   for (std::size_t j = 0; j + 1 < nodes_; ++j)
-    to->waiting.push_back(element_stress(bar_, mesh_, snapshot.u, snapshot.v, j));
+    to->waiting.push_back(element_stress(bars_.empty() ? bar_ : bars_[j], mesh_, snapshot.u, snapshot.v, j));
   ++to;
   for (const FieldSensitivity& s : snapshot.sensitivities) {
     add(s.u);

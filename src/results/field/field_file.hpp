@@ -59,7 +59,8 @@ struct FieldOrigin {
     std::string name;
     std::optional<UnitPowers> unit{};  ///< absent: nobody knows
   };
-  std::vector<Key> keys;  ///< of the derivatives that its snapshots have
+  std::vector<Key> keys;    ///< of the derivatives that its snapshots have
+  std::vector<Bar> bars{};  ///< the material of each element of a chain, see element_bars(); empty: `bar`
 };
 
 /// field.h5 with x (J+1), t (K), u and v (K x J+1), and stress (K x J), the mean over each element,
@@ -112,6 +113,7 @@ class FieldFile {
   std::filesystem::path path_;
   Mesh mesh_;
   Bar bar_;
+  std::vector<Bar> bars_;  // of each element of a chain
   std::size_t nodes_, block_rows_;
   XdmfFile xdmf_;
   std::optional<NewFile> new_;  // while it is not in its place

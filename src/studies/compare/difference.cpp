@@ -123,13 +123,13 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
       ContactPeriod& period = periods[index];
       period.end = recording.times.back();
       const auto& account = recording.statistics.account;
-      if (account && before[index])
+      if (account && before[index] && period.where != Where::joint)
         period.impulse = (period.where == Where::left ? account->left : account->right).impulse - *before[index];
     }
   for (std::size_t k = 0; k < periods.size(); ++k) {
     ContactPeriod& period = periods[k];
     const auto& reaction = period.where == Where::left ? recording.reaction_left : recording.reaction_right;
-    if (!before[k] && period.where != Where::span && !reaction.empty())
+    if (!before[k] && (period.where == Where::left || period.where == Where::right) && !reaction.empty())
       period.impulse = integral(recording.times, reaction, period.begin, period.end);
   }
   return periods;

@@ -19,7 +19,9 @@ namespace viscobar::fitting {
 namespace {
 
 using Kind = std::tuple<Where, std::size_t, Change>;
-Kind kind(const Event& event) { return {event.where, event.where == Where::span ? event.node : 0, event.change}; }
+Kind kind(const Event& event) {
+  return {event.where, event.where == Where::span || event.where == Where::joint ? event.node : 0, event.change};
+}
 
 // A number and, behind it, its derivatives by the parameters.
 using Traced = Eigen::VectorXd;

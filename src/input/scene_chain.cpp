@@ -1,0 +1,218 @@
+#include "input/scene_chain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "input/scene_stop.hpp"
+
+namespace viscobar {
+
+namespace {
+
+std::string key_of(std::string_view table, std::size_t number, std::string_view leaf) {
+  return fmt::format("{}.{}.{}", table, number, leaf);
+}
+
+JointKind kind_of(const SceneEntries& entries, std::size_t number) {
+  const auto word = entries.text(key_of("joint", number, "kind"));
+  for (const JointKind kind : all_joints)
+    if (word == name(kind)) return kind;
+  return JointKind::bonded;
+}
+
+void check_member(SceneEntries& entries, std::size_t number) {
+  const auto key = [&](std::string_view leaf) { return key_of("bar", number, leaf); };
+  if (entries.faulty(key("length")) || entries.faulty(key("mass"))) return;
+  if (entries.present(key("length"))) {
+    if (entries.present(key("mass")))
+      entries.report(key("mass"), "belongs to a rigid body, which has no length; a bar has a density");
+    return;
+  }
+  if (!entries.present(key("mass")))
+    return entries.report(key("length"), "is missing: a bar has a length, and a rigid body a mass in its place");
+  for (const char* leaf : {"density", "modulus", "viscosity", "section", "elements"})
+    if (entries.present(key(leaf))) entries.report(key(leaf), "belongs to a bar; this is a rigid body, by its mass");
+  for (const char* leaf : {"displacement", "velocity"})
+    if (const auto formula = entries.formula(key(leaf)); formula && !formula->is_constant())
+      entries.report(key(leaf), "varies along a bar; that of a rigid body is a number");
+}
+
+void check_joint(SceneEntries& entries, std::size_t number) {
+  const auto key = [&](std::string_view leaf) { return key_of("joint", number, leaf); };
+  if (entries.faulty(key("kind"))) return;
+  if (!entries.present(key("kind")))
+    return entries.report(key("kind"), "is missing: a joint is \"bonded\", a \"contact\" or a \"spring\"");
+  const JointKind kind = kind_of(entries, number);
+  const auto refuse = [&](std::initializer_list<const char*> leaves, const char* owner) {
+    for (const char* leaf : leaves)
+      if (entries.sound(key(leaf))) entries.report(key(leaf), "belongs to {}; this joint is {}", owner, name(kind));
+  };
+  if (kind != JointKind::contact) refuse({"gap", "law", "restitution", "speed"}, "a contact");
+  if (kind == JointKind::bonded) refuse({"stiffness", "damping"}, "a spring or the law of a contact");
+  if (kind == JointKind::spring && !entries.present(key("stiffness")) && !entries.faulty(key("stiffness")))
+    entries.report(key("stiffness"), "is missing: a spring has one");
+}
+
+// A function of one member: its own formula of x from its left end, or that of [initial] of x along the chain.
+struct Part {
+  double begin, length, shift;
+  SpaceFunction function;  // of x from the left end of the member
+  Places places;           // of the formula
+};
+
+NextBreak joined(const std::vector<Part>& parts, NextBreak Places::*which, bool with_joints) {
+  return [parts, which, with_joints](double after, double until) -> std::optional<double> {
+    for (const Part& part : parts) {
+      if (with_joints && part.begin > std::max(after, 0.0) && part.begin < until) return part.begin;
+      const double from = std::max(after, part.begin), to = std::min(until, part.begin + part.length);
+      const NextBreak& breaks = part.places.*which;
+      if (!breaks || !(from < to)) continue;
+      if (const auto next = breaks(from - part.shift, to - part.shift)) return *next + part.shift;
+    }
+    return std::nullopt;
+  };
+}
+
+SpaceFunction along(std::vector<Part> parts) {
+  return [parts = std::move(parts)](double x) {
+    const Part* at = &parts.front();
+    for (const Part& part : parts)
+      if (part.length > 0.0 && (x > part.begin || at->length == 0.0)) at = &part;
+    return at->function(x - at->begin);
+  };
+}
+
+std::vector<Part> parts_of(const SceneEntries& entries, const std::vector<Member>& chain, const char* leaf,
+                           double length) {
+  const auto whole = entries.formula(fmt::format("initial.{}", leaf)).value_or(Formula(0.0));
+  const SpaceFunction of_whole = whole.of_x();
+  std::vector<Part> parts;
+  double begin = 0.0;
+  for (std::size_t m = 0; m < chain.size(); ++m) {
+    const double own_length = chain[m].bar.length;
+    if (const auto own = entries.formula(key_of("bar", m + 1, leaf)))
+      parts.push_back({begin, own_length, begin, own->of_x(), own->places(own_length)});
+    else
+      parts.push_back(
+          {begin, own_length, 0.0, [of_whole, begin](double x) { return of_whole(begin + x); }, whole.places(length)});
+    begin += own_length;
+  }
+  return parts;
+}
+
+// What each bar asks for; the others get as many in the time of a wave as the finest, or all share [mesh] by it.
+std::vector<std::size_t> elements_of(const SceneEntries& entries, const std::vector<Member>& chain) {
+  std::vector<std::size_t> elements(chain.size(), 0);
+  std::vector<double> transits(chain.size(), 0.0);
+  double density = 0.0;
+  for (std::size_t m = 0; m < chain.size(); ++m) {
+    const Bar& bar = chain[m].bar;
+    if (chain[m].rigid()) continue;
+    transits[m] = bar.length * std::sqrt(bar.density / bar.modulus);
+    const auto own = entries.number(key_of("bar", m + 1, "elements"));
+    if (!own) continue;
+    elements[m] = static_cast<std::size_t>(*own);
+    density = std::max(density, *own / transits[m]);
+  }
+  const double time = std::accumulate(transits.begin(), transits.end(), 0.0);
+  if (density == 0.0) density = entries.number("mesh.elements").value_or(default_elements) / time;
+  constexpr double fewest = 4.0;  // in a bar that says nothing: a row of each end and one between
+  for (std::size_t m = 0; m < chain.size(); ++m)
+    if (!chain[m].rigid() && elements[m] == 0)
+      elements[m] = static_cast<std::size_t>(std::max(fewest, std::round(density * transits[m])));
+  return elements;
+}
+
+}  // namespace
+
+void check_chain(SceneEntries& entries) {
+  const std::size_t count = entries.members("bar"), joints = entries.members("joint");
+  if (count == 0) {
+    for (std::size_t k = 1; k <= joints; ++k)
+      entries.report(key_of("joint", k, "kind"), "is between two tables [[bar]], and there is one bar");
+    return;
+  }
+  std::size_t bars = 0;
+  for (std::size_t k = 1; k <= count; ++k) {
+    check_member(entries, k);
+    bars += entries.present(key_of("bar", k, "length")) || entries.faulty(key_of("bar", k, "length"));
+  }
+  if (bars == 0) entries.report("bar.1.length", "is missing: rigid bodies alone are no bars");
+  for (std::size_t k = 1; k <= joints; ++k)
+    if (k < count)
+      check_joint(entries, k);
+    else
+      entries.report(key_of("joint", k, "kind"), "is the joint behind bar {}, and there are {} bars", k, count);
+  for (const char* leaf : {"length", "density", "modulus", "viscosity", "section"})
+    if (const std::string key = fmt::format("bar.{}", leaf); entries.given(key))
+      entries.report(key, "says not which of {} bars: write {}", count, key_of("bar", 1, leaf));
+}
+
+void take_chain(const SceneEntries& entries, Case& run) {
+  const std::size_t count = entries.members("bar");
+  if (count == 0) return;
+  Scene& scene = run.scene;
+  for (std::size_t k = 1; k <= count; ++k) {
+    const auto number = [&](std::string_view leaf, double otherwise) {
+      return entries.number(key_of("bar", k, leaf)).value_or(otherwise);
+    };
+    Member member;
+    member.mass = number("mass", 0.0);
+    if (member.mass == 0.0)
+      member.bar = {number("length", 1.0), number("density", 1.0), number("modulus", 1.0), number("viscosity", 0.0)};
+    else
+      member.bar = {0.0, 1.0, 1.0, 0.0};
+    if (const auto section = entries.formula(key_of("bar", k, "section")); section && !member.rigid())
+      member.section = section->of_x(), member.section_places = section->places(member.bar.length);
+    if (k < count) {
+      const auto of_joint = [&](std::string_view leaf) {
+        return entries.number(key_of("joint", k, leaf)).value_or(0.0);
+      };
+      Joint& joint = member.joint;
+      joint.kind = kind_of(entries, k);
+      joint.gap = of_joint("gap");
+      if (joint.kind == JointKind::contact) joint.stop = stop_of(entries, fmt::format("joint.{}", k));
+      if (joint.kind == JointKind::spring) joint.stiffness = of_joint("stiffness"), joint.damping = of_joint("damping");
+    }
+    scene.chain.push_back(std::move(member));
+  }
+  scene.bar = whole_of(scene.chain);
+  const auto take = [&](const char* leaf, SpaceFunction& function, Places& places, SpaceFunction Member::*own) {
+    const std::vector<Part> parts = parts_of(entries, scene.chain, leaf, scene.bar.length);
+    for (std::size_t m = 0; m < count; ++m) scene.chain[m].*own = parts[m].function;
+    function = along(parts);
+    places = {joined(parts, &Places::breaks, true), joined(parts, &Places::detail, false)};
+  };
+  take("displacement", scene.displacement, scene.displacement_places, &Member::displacement);
+  take("velocity", scene.velocity, scene.velocity_places, &Member::velocity);
+  run.bar_elements = elements_of(entries, scene.chain);
+  const std::size_t sum = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+  bool own = false;
+  for (std::size_t k = 1; k <= count; ++k) own |= entries.present(key_of("bar", k, "elements"));
+  if (!own || !entries.present("mesh.elements")) run.elements = sum;
+}
+
+void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& values) {
+  for (std::size_t k = 1; k <= run.scene.chain.size(); ++k) {
+    for (const SceneKey& row : member_keys()) {
+      if (row.table() == "joint" && k == run.scene.chain.size()) continue;
+      const std::string key = key_of(row.table(), k, row.leaf());
+      if (row.leaf() == "elements") {
+        if (!run.scene.chain[k - 1].rigid())
+          values.emplace_back(key, static_cast<std::int64_t>(run.bar_elements[k - 1]));
+      } else if (entries.present(key)) {
+        if (const auto* text = std::get_if<std::string>(&entries.value(key)))
+          values.emplace_back(key, *text);
+        else if (entries.series(key))
+          values.emplace_back(key, entries.described_series(key));
+        else
+          values.emplace_back(key, *entries.number(key));
+      }
+    }
+  }
+}
+
+}  // namespace viscobar

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "input/scene_entries.hpp"
+#include "viscobar/case/case.hpp"
+
+namespace viscobar {
+
+/// Reports what is wrong with the tables [[bar]] and [[joint]] of several bars in line, each by itself and together.
+void check_chain(SceneEntries& entries);
+
+/// Makes the scene of a case one of several bars in line, where the entries have them: the chain, its whole, the
+/// initial data along it, and the elements of each member.
+void take_chain(const SceneEntries& entries, Case& run);
+
+/// The keys of its members that are there, with their values, and the elements of each bar.
+void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& values);
+
+}  // namespace viscobar

@@ -1,0 +1,234 @@
+// Bars in line against closed forms; docs/bars-in-line.md derives what is claimed.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+using Eigen::Index;
+using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
+
+MatrixXd dense(const SymmetricTridiagonal& matrix) {
+  const auto n = static_cast<Index>(matrix.size());
+  MatrixXd full(n, n);
+  std::vector<double> unit(matrix.size()), column(matrix.size());
+  for (Index j = 0; j < n; ++j) {
+    std::ranges::fill(unit, 0.0);
+    unit[static_cast<std::size_t>(j)] = 1.0;
+    matrix.multiply(unit, column);
+    for (Index i = 0; i < n; ++i) full(i, j) = column[static_cast<std::size_t>(i)];
+  }
+  return full;
+}
+
+// The frequencies of a system, rising, and the largest imaginary part of their squares.
+std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
+  SymmetricTridiagonal stiffness;
+  system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
+  const MatrixXd quotient = dense(system.inertia()).partialPivLu().solve(dense(stiffness));
+  const Eigen::EigenSolver<MatrixXd> modes(quotient, false);
+  std::vector<double> found;
+  double imaginary = 0.0;
+  for (const auto& square : modes.eigenvalues()) {
+    found.push_back(static_cast<double>(std::sqrt(std::max(0.0L, square.real()))));
+    imaginary = std::max(imaginary, static_cast<double>(std::abs(square.imag())));
+  }
+  std::ranges::sort(found);
+  return {found, imaginary};
+}
+
+Setup setup_of(const std::string& text) { return resolve(parse_scene(text, "").run); }
+
+double order(double coarse, double fine) { return std::log2(std::abs(coarse / fine)); }
+
+// tan^2 (k l) = Z1 / Z2 for two bars of equal transit times, fixed at the first [docs/bars-in-line.md].
+TEST(Bonded, SteppedBarsHaveTheirFrequenciesToFourthOrder) {
+  for (const double ratio : {0.5, 2.0, 4.0}) {
+    const double exact = std::atan(1.0 / std::sqrt(ratio));
+    std::vector<double> errors;
+    for (const int elements : {20, 40, 80}) {
+      // Z2 = rho2 c2 at c2 = 2 and twice the length.
+      const auto setup = setup_of(fmt::format(
+          "[[bar]]\nlength = 1.0\nelements = {0}\n[[bar]]\nlength = 2.0\ndensity = {1}\nmodulus = {2}\nelements = {0}\n"
+          "[left]\nkind = \"fixed\"\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n[mesh]\nmass = \"fourth_order\"\n",
+          elements, ratio / 2.0, 2.0 * ratio));
+      const auto [modes, imaginary] = frequencies(setup.system());
+      EXPECT_LT(imaginary, 1e-9);
+      errors.push_back(modes.front() / exact - 1.0);
+    }
+    EXPECT_LT(std::abs(errors[1]), 1e-7) << ratio;
+    EXPECT_GT(order(errors[1], errors[2]), 3.7) << ratio << ' ' << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+  }
+}
+
+// A step of the section is one of the impedance, too.
+TEST(Bonded, AStepOfTheSectionIsOneOfTheImpedance) {
+  const auto setup = setup_of(
+      "[[bar]]\nlength = 0.5371\nelements = 20\n[[bar]]\nlength = 0.4629\nsection = 4.0\nelements = 20\n[left]\nkind = "
+      "\"fixed\"\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n");
+  EXPECT_NEAR(frequencies(setup.system()).first.front(), 0.9290754617, 1e-8);
+}
+
+// Where rows are sums of elements, three equal bars are one.
+TEST(Bonded, EqualBarsAreOneBar) {
+  const std::string rest =
+      "[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = -1.0\ndisplacement = \"0.01*cos(3*x)\"\n[load]\n"
+      "density = \"0.3*sin(2*x)*cos(3*t)\"\n[time]\nend = 2.0\n[output]\nevery = 0.25\ngauges = [0.2, 0.7]\n[contact]\n"
+      "epsilon = 1e-3\n[method]\nrelative_tolerance = 1e-9\nstep = 1e-3\n";
+  for (const char* method : {"cvode", "ida", "arkode", "odeint", "rigid", "exponential", "fully_discrete"})
+    for (const char* mass : {"consistent", "lumped"}) {
+      const std::string end = fmt::format("name = \"{}\"\n[mesh]\nmass = \"{}\"\n", method, mass);
+      const Recording chain = record(
+          parse_scene(
+              "[[bar]]\nlength = 0.5\nviscosity = 0.1\nelements = 10\n[[bar]]\nlength = 0.25\nviscosity = 0.1\nelements = 5\n"
+              "[[bar]]\nlength = 0.25\nviscosity = 0.1\nelements = 5\n" +
+                  rest + end,
+              "")
+              .run);
+      const Recording one =
+          record(parse_scene("[bar]\nlength = 1.0\nviscosity = 0.1\n" + rest + end + "elements = 20\n", "").run);
+      ASSERT_EQ(chain.events.size(), one.events.size()) << method << mass;
+      // Rounding, which an adaptive method may answer with another step: then the errors of both.
+      const double allowed = std::string_view(method) == "fully_discrete" ? 1e-11 : 1e-7;
+      for (std::size_t k = 0; k < one.u.size(); ++k) EXPECT_NEAR(chain.u[k], one.u[k], allowed) << method << mass << k;
+      for (std::size_t k = 0; k < one.events.size(); ++k)
+        EXPECT_NEAR(chain.events[k].time, one.events[k].time, 10 * allowed) << method << mass;
+      EXPECT_NEAR(chain.statistics.energy->balance_error(), 0.0, 1e-5) << method << mass;
+    }
+}
+
+// A pulse through the interface of unlike bars: differences of meshes fall as h^4, and energy is kept.
+TEST(Bonded, APulsePassesAnInterfaceToFourthOrder) {
+  std::vector<std::vector<double>> traces;
+  for (const int elements : {20, 40, 80, 160}) {
+    const Recording found = record(
+        parse_scene(
+            fmt::format(
+                "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = {0}\nvelocity = \"exp(-((x-0.5)/0.12)^2)\"\n[[bar]]\nlength = "
+                "1.5\ndensity = 2.0\nmodulus = 3.0\nviscosity = 0.2\nelements = {0}\nvelocity = 0.0\n[time]\nend = 3.0\n[method]\n"
+                "name = \"rigid\"\nrelative_tolerance = 1e-11\n[output]\nevery = 0.05\n",
+                elements),
+            "")
+            .run);
+    auto& trace = traces.emplace_back();
+    for (std::size_t k = 0; k < found.times.size(); ++k)
+      for (const int node : {0, elements, 2 * elements})
+        trace.push_back(found.displacement(k)[static_cast<std::size_t>(node)]);
+    EXPECT_NEAR(found.statistics.energy->balance_error() / found.statistics.energy->initial, 0.0, 1e-8);
+  }
+  const auto difference = [&](std::size_t m) {
+    double most = 0.0;
+    for (std::size_t k = 0; k < traces[m].size(); ++k) most = std::max(most, std::abs(traces[m][k] - traces[m + 1][k]));
+    return most;
+  };
+  EXPECT_GT(order(difference(1), difference(2)), 3.6) << difference(0) << ' ' << difference(1) << ' ' << difference(2);
+  EXPECT_LT(difference(2), 1e-6);
+}
+
+std::string pair_text(double alpha, int elements, const char* method) {
+  return fmt::format(
+      "[[bar]]\nlength = 1.0\nviscosity = {0}\nvelocity = 1.0\nelements = {1}\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus "
+      "= 3.0\nviscosity = {2}\nvelocity = 0.0\nelements = {1}\n[[joint]]\nkind = \"contact\"\n[time]\nend = 3.0\n[mesh]\n"
+      "mass = \"fourth_order\"\n[method]\nname = \"{3}\"\nrelative_tolerance = 1e-10\n[contact]\nepsilon = 1e-5\nrestitution "
+      "= 0.0\n",
+      alpha, elements, 2.0 * alpha, method);
+}
+
+// By Laplace's transform: end of contact, impulse [docs/bars-in-line.md].
+struct PairTruth {
+  double alpha, end, impulse;
+};
+constexpr PairTruth pair_truths[] = {{1.0, 1.5535874882557, 0.89166619755518},
+                                     {0.1, 2.0599929079778, 1.2432684888266},
+                                     {0.01, 2.068825800376, 1.370641194291}};
+
+TEST(ContactJoint, AnImpactOfUnlikeBarsIsThatOfLaplacesTransform) {
+  for (const PairTruth& truth : pair_truths) {
+    std::vector<double> errors;
+    for (const int elements : {20, 40, 80}) {
+      const Recording found = record(parse_scene(pair_text(truth.alpha, elements, "rigid"), "").run);
+      ASSERT_EQ(found.events.size(), 2U) << truth.alpha << ' ' << elements;
+      EXPECT_EQ(found.events[0].time, 0.0);
+      EXPECT_EQ(found.events[1].where, Where::joint);
+      EXPECT_EQ(found.events[1].node, 1U);
+      const JointAccount& joint = found.statistics.account->joints.at(0);
+      EXPECT_EQ(joint.closings, 1U);
+      errors.push_back(joint.impulse - truth.impulse);
+      if (elements == 80) {
+        EXPECT_NEAR(found.events[1].time, truth.end, 2e-7) << truth.alpha;
+        EXPECT_NEAR(joint.impulse, truth.impulse, 1e-6) << truth.alpha;
+      }
+    }
+    EXPECT_GT(order(errors[1], errors[2]), 3.5)
+        << truth.alpha << ' ' << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+  }
+}
+
+// A penalty of 1e-5 gives way by some 1e-5, and its dashpot takes the velocity of the nodes alone.
+TEST(ContactJoint, PenalisedMethodsComeNear) {
+  for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
+    const Recording found = record(parse_scene(pair_text(0.1, 20, method), "").run);
+    ASSERT_GE(found.events.size(), 2U) << method;
+    EXPECT_NEAR(found.events.back().time, pair_truths[1].end, 0.02) << method;
+    EXPECT_NEAR(found.statistics.account->joints.at(0).impulse, pair_truths[1].impulse, 3e-3) << method;
+  }
+}
+
+// Elastic bars of equal length, all free: the first one stops, the second has its velocity, after 2 L / c. On a mesh to
+// some h.
+TEST(ContactJoint, EqualElasticBarsExchangeTheirVelocities) {
+  const Recording found = record(
+      parse_scene(
+          "[[bar]]\nlength = 1.0\nvelocity = 1.0\nelements = 100\n[[bar]]\nlength = 1.0\nvelocity = 0.0\nelements = "
+          "100\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[time]\nend = 2.5\n[method]\nname = \"rigid\"\n",
+          "")
+          .run);
+  ASSERT_GE(found.events.size(), 2U);
+  EXPECT_NEAR(found.events.front().time, 0.05, 1e-6);
+  EXPECT_NEAR(found.events.back().time, 2.05, 0.03);
+  EXPECT_NEAR(found.statistics.account->joints.at(0).impulse, 1.0, 0.01);
+}
+
+// A ram of mass M at speed V on a rod without end, the dashpot Z at its far end: N = Z V exp(-Z t / M).
+TEST(RigidMember, ARamDiesOutOnALongRod) {
+  for (const char* joint : {"bonded", "contact"}) {
+    const Recording found = record(
+        parse_scene(
+            fmt::format(
+                "[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 1e-4\nelements = 200\nvelocity = "
+                "0.0\n[[joint]]\nkind = \"{}\"\n[right]\nkind = \"free\"\ndashpot = 1.0\n[time]\nend = 2.0\n[output]\nevery = "
+                "0.5\n[method]\nname = \"rigid\"\n",
+                joint),
+            "")
+            .run);
+    for (std::size_t k = 1; k < found.times.size(); ++k)
+      EXPECT_NEAR(found.velocity(k).front(), std::exp(-found.times[k] / 2.0), 3e-3) << joint << found.times[k];
+  }
+}
+
+// A cushion, the spring k between a ram and a rod without end: kappa = k M / Z^2 = 1, whose peak force, its time and
+// end are in docs/bars-in-line.md.
+TEST(SpringJoint, ACushionHasItsPeak) {
+  const Recording found = record(
+      parse_scene(
+          "[[bar]]\nmass = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 1e-5\nelements = 200\nvelocity = "
+          "0.0\n[[joint]]\nkind = \"spring\"\nstiffness = 1.0\n[right]\nkind = \"free\"\ndashpot = 1.0\n[time]\nend = "
+          "1.209199576156\n[output]\nevery = 1.209199576156\n[method]\nname = \"rigid\"\n",
+          "")
+          .run);
+  const auto u = found.displacement(found.times.size() - 1);
+  EXPECT_NEAR(u[0] - u[1], 0.5462930158736, 1e-3);
+}
+
+}  // namespace
+}  // namespace viscobar
