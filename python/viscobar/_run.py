@@ -125,10 +125,11 @@ class Result(Recorded):
     def stress(self) -> np.ndarray:
         """E u_x + eta u_xt, the mean of each element, (K, J)."""
         modulus, viscosity = self._core.material
+        size = np.diff(self.x)  # 0 at a joint of bars in line, where there is no stress
         stress = modulus * np.diff(self.u)
-        if viscosity > 0.0:
+        if np.any(np.greater(viscosity, 0.0)):
             stress += viscosity * np.diff(self.v)
-        return stress / np.diff(self.x)
+        return np.divide(stress, size, out=np.zeros_like(stress), where=size > 0.0)
 
     @cached_property
     def gauges(self) -> dict[str, np.ndarray]:

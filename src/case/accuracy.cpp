@@ -32,6 +32,8 @@ std::string_view meaning(Goal goal) {
 
 std::optional<Finding> fault(const AccuracyRequest& request, const Setup& setup) {
   const Case& run = setup.run;
+  if (!run.scene.chain.empty())
+    return Finding{"accuracy.error", "is for one bar; of several in line no error is estimated yet"};
   const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
   const bool of_field =
       request.of == Goal::displacement || request.of == Goal::end_traces || request.of == Goal::end_velocity;

@@ -210,7 +210,7 @@ void check_members(const Case& run, Findings& findings) {
   }
 }
 
-// What several bars in line do not go together with yet.
+// Refuses whatever does not go together with several bars in line yet.
 void check_chain(const Setup& setup, Findings& findings) {
   const Case& run = setup.run;
   const Scene& scene = run.scene;

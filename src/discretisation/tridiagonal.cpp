@@ -88,7 +88,7 @@ void TridiagonalFactor::factorise_patched(const SymmetricTridiagonal& matrix) {
   bool positive = true, tied = false;
   double before = 0.0, upper = 0.0;              // U(i-2, i-1), U(i-1, i)
   double skipping = 0.0, skipping_before = 0.0;  // U(i-1, i+1), U(i-2, i)
-  double handed = 0.0;                           // what is left of the row before, tied to this one
+  double handed = 0.0;                           // the pivot of the row before, tied to this one
   for (std::size_t i = 0; i < n; ++i) {
     double pivot = matrix.diagonal[i], below = i > 0 ? matrix.below(i - 1) : 0.0;
     double above = i + 1 < n ? matrix.above(i) : 0.0, beyond = 0.0, lost = 0.0;

@@ -199,7 +199,7 @@ PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
   return row;
 }
 
-// Of -N over the stiffness of the row.
+// The weights of -N over the stiffness of the row.
 void PenalisedSystem::add_joint_weights(std::size_t i, IndicatorWeights& weights) const {
   const JointRow row = joint_row(i);
   const double unit = -row.sign / row.stiffness;

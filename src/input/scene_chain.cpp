@@ -103,7 +103,8 @@ std::vector<Part> parts_of(const SceneEntries& entries, const std::vector<Member
   return parts;
 }
 
-// What each bar asks for; the others get as many in the time of a wave as the finest, or all share [mesh] by it.
+// Elements as each bar asks for them; the others get as many in the time of a wave as the finest, or all share [mesh]
+// by it.
 std::vector<std::size_t> elements_of(const SceneEntries& entries, const std::vector<Member>& chain) {
   std::vector<std::size_t> elements(chain.size(), 0);
   std::vector<double> transits(chain.size(), 0.0);

@@ -149,7 +149,7 @@ constexpr SceneKey end_rows[] = {
     {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
 };
-// Of each bar of several in line, and of the joint between it and the next.
+// Keys of each bar of several in line, and of the joint between it and the next.
 constexpr SceneKey member_rows[] = {
     {"bar.length", number, optional, "", "1.0", "length", "length of a bar; a rigid body has a mass in its place", positive},
     {"bar.mass", number, optional, "", "2.0", "density x length", "mass of a rigid body, which has no length: a ram, a bit, a cap", positive},

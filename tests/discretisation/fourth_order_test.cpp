@@ -134,7 +134,7 @@ SymmetricTridiagonal random_with_end_rows(std::size_t n, std::mt19937& random) {
   return matrix;
 }
 
-// Of bars in line: nodes inside have rows to both sides, or two neighbours one each, with nothing between.
+// As bars in line have them: nodes inside have rows to both sides, or two neighbours one each, with nothing between.
 SymmetricTridiagonal random_chain(std::size_t n, std::size_t joint, bool apart, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   SymmetricTridiagonal matrix = random_with_end_rows(n, random);
@@ -177,7 +177,7 @@ TEST(TridiagonalFactor, SolvesWithRowsOfBarsInLine) {
         }
 }
 
-// Of two rows that are tied the sum counts, and they have one value.
+// The sum of two rows that are tied counts, and they have one value.
 TEST(TridiagonalFactor, TiesTwoRows) {
   std::mt19937 random(16);
   for (const bool rows : {false, true})

@@ -19,6 +19,12 @@ inline std::vector<std::string> overrides_of(const std::string& description) {
   std::vector<std::string> overrides;
   const auto tables = nlohmann::json::parse(description);
   for (const auto& [table, keys] : tables.items()) {
+    if (keys.is_array() && !keys.empty() && keys.front().is_object()) {  // bars in line, and their joints
+      for (std::size_t k = 0; k < keys.size(); ++k)
+        for (const auto& [key, value] : keys[k].items())
+          overrides.push_back(table + "." + std::to_string(k + 1) + "." + key + "=" + toml_of(value));
+      continue;
+    }
     if (!keys.is_object()) {
       overrides.push_back(table + "=" + keys.dump());
       continue;

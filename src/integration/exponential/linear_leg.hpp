@@ -79,7 +79,7 @@ class LinearLeg {
   Real left_displacement_, right_displacement_;  // of fixed ends
   std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
   std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
-  // Of one-sided rows of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
+  // One a one-sided row of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
   std::vector<Real> beyond_;
   const SymmetricTridiagonal* inertia_ = nullptr;  // the system's
   Eigen::VectorXd origin_;

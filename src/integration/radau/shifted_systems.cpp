@@ -138,7 +138,7 @@ void ShiftedSystems::factorise(double h) {
     if (skew) lean(front, off, last ? -1.0 : 1.0);
     return front;
   };
-  // What one-sided rows add to node i and its neighbours. A row that goes ahead, where the elimination goes, has an
+  // Adds one-sided rows to node i and its neighbours. A row that goes ahead, where the elimination goes, has an
   // entry beyond the next node; of one that goes back the node before that is taken out.
   const auto amend = [&](Front& front, std::size_t i) {
     for (std::size_t r = 0; r < beyond_.size(); ++r) {

@@ -44,8 +44,8 @@ class ShiftedSystems {
     Complex away;     // L(next, i), factor of this row in the elimination of the next one
   };
 
-  // Of a node: something is to be done beside what each has; a one-sided row of it has been taken into account where it
-  // goes back, or is to be where it goes ahead; it is tied to the next one.
+  // Flags of a node: something is to be done beside what each has; a one-sided row of it has been taken into account
+  // where it goes back, or is to be where it goes ahead; it is tied to the next one.
   enum Flag : unsigned char { amended = 1, goes_back = 2, goes_ahead = 4, tied = 8 };
 
   void flag_rows(const BarSystem& bar);
@@ -64,7 +64,7 @@ class ShiftedSystems {
   std::vector<Node> nodes_;
   std::size_t middle_ = 0;
   std::vector<unsigned char> flags_;
-  // Of one-sided rows: U(r, r +- 2) over its pivot of one that goes ahead, L(r, r +- 2) of one that goes back.
+  // One a one-sided row: U(r, r +- 2) over its pivot of one that goes ahead, L(r, r +- 2) of one that goes back.
   std::vector<Complex> beyond_;
   double h_ = 0.0;
 };

@@ -21,6 +21,10 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
                              const std::function<bool()>& stop) try {
   QuickEstimate result;
   result.elements = run.elements;
+  if (!run.scene.chain.empty()) {
+    result.why_not = "of several bars in line no error is estimated yet";
+    return result;
+  }
   if (run.elements < fewest && run.method != MethodName::characteristics) {
     result.why_not = fmt::format("it needs {} elements or more, whose mesh can be halved twice", fewest);
     return result;
@@ -40,7 +44,7 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
 
 QuickEstimate forecast(const Case& run, double seconds, const std::function<bool()>& stop) {
   QuickEstimate found = quick_estimate(run, std::nullopt, seconds, stop);
-  if (found.estimate || run.elements < 4 * fewest) return found;
+  if (found.estimate || run.elements < 4 * fewest || !run.scene.chain.empty()) return found;
   Case coarser = run;
   coarser.elements = (run.elements + 3) / 4;
   if (!sound(coarser)) return found;

@@ -80,7 +80,7 @@ double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
   if (!mesh.uniform()) {
     for (std::size_t j = 0; j + 1 < nodal.size(); ++j) {
       const double difference = nodal[j + 1] - nodal[j];
-      sum += difference * difference / mesh.element(j);
+      if (const double size = mesh.element(j); size > 0.0) sum += difference * difference / size;
     }
     return std::sqrt(sum);
   }

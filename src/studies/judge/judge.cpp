@@ -11,6 +11,7 @@
 #include "studies/accuracy/runs.hpp"
 #include "studies/column_reader.hpp"
 #include "studies/judge/contacts.hpp"
+#include "studies/one_bar.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
@@ -201,6 +202,7 @@ std::size_t JudgedSolution::count(ContactVerdict verdict) const {
 }
 
 JudgeResult judge(const JudgeStudy& study) {
+  require_one_bar(study.scene.scene, "a judge of solutions");
   check(study);
   const auto started = std::chrono::steady_clock::now();
   const double length = study.scene.scene.bar.length;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "studies/limit/mesh_runs.hpp"
+#include "studies/one_bar.hpp"
 
 namespace viscobar {
 
@@ -384,6 +385,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
 }  // namespace
 
 LimitResult limit_of(const LimitStudy& study) {
+  require_one_bar(study.scene.scene, "limit");
   if (!meets_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =
@@ -417,6 +419,7 @@ LimitResult limit_of(const LimitStudy& study) {
 }
 
 AccuracyResult limit_to_accuracy(const LimitStudy& study, const AccuracyRequest& request) {
+  require_one_bar(study.scene.scene, "limit");
   AccuracyStudy inner;
   inner.scene = study.scene;
   inner.scene.mass = common_mass(study.scene);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "studies/one_bar.hpp"
 #include "studies/parallel.hpp"
 #include "studies/precision/references.hpp"
 
@@ -90,6 +91,7 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
 }
 
 PrecisionResult precision_of(const PrecisionStudy& study) {
+  require_one_bar(study.scene.scene, "precision");
   std::vector<Mesh> meshes;
   Mesh mesh = study.scene.mesh();
   if (study.elements.empty()) meshes.push_back(mesh);

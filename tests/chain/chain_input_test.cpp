@@ -1,0 +1,173 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "input/described_scene.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/limit/limit.hpp"
+#include "viscobar/studies/precision/precision.hpp"
+
+namespace viscobar {
+namespace {
+
+std::string complaint(const std::string& text, std::vector<std::string> settings = {}) {
+  try {
+    (void)parse_scene(text, "s", settings);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const std::string pair =
+    "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 1.0\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus = "
+    "3.0\nviscosity = 0.2\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[time]\nend = 2.0\n";
+
+TEST(ChainInput, NamesEachMistakeByItsBar) {
+  const auto says = [](const std::string& text, const std::string& words, std::vector<std::string> settings = {}) {
+    EXPECT_NE(complaint(text, settings).find(words), std::string::npos) << complaint(text, settings);
+  };
+  const std::string wrong = complaint(
+      "[[bar]]\nlength = 1.0\nviscocity = 0.1\ndensity = -1.0\n[[bar]]\nmass = 2.0\nmodulus = 3.0\nvelocity = "
+      "\"x\"\n[[bar]]\ndensity = 2.0\n[[joint]]\nkind = \"contct\"\n[[joint]]\nkind = \"spring\"\ngap = "
+      "0.1\n[[joint]]\nkind = \"bonded\"\n[time]\nend = 1.0\n");
+  for (const char* words :
+       {"s:3:1: bar.1.viscocity: unknown key; nearest is \"viscosity\"", "s:4:11: bar.1.density: must be positive",
+        "s:7:11: bar.2.modulus: belongs to a bar", "s:8:12: bar.2.velocity: varies along a bar",
+        "s:9:1: bar.3.length: is missing", "s:12:8: joint.1.kind: cannot be \"contct\"",
+        "s:13:1: joint.2.stiffness: is missing", "s:15:7: joint.2.gap: belongs to a contact",
+        "s:17:8: joint.3.kind: is the joint behind bar 3"})
+    EXPECT_NE(wrong.find(words), std::string::npos) << words << "\n" << wrong;
+  says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
+  says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
+  says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
+  says(pair, "fully_discrete has no contacts at joints yet", {"method.name=fully_discrete"});
+  says(pair, "exponential has no contacts at joints yet", {"method.name=exponential"});
+  says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
+  says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});
+  says(pair, "span.gap", {"span.gap=2"});
+  says(pair, "left.gap: an end or an obstacle that moves", {"left.kind=obstacle", "left.gap=0.1+t"});
+  says(pair, "accuracy.error: is for one bar", {"accuracy.error=1e-3"});
+  says(pair, "\"hertz\" is no law for the contact of a joint yet",
+       {"joint.1.law=hertz", "joint.1.stiffness=3", "method.name=cvode"});
+  says(pair, "joint.1.gap", {"bar.2.displacement=-0.1"});
+  says(pair, "leaves a gap of 0.1 to the next bar", {"joint.1.kind=bonded", "joint.1.gap=", "bar.2.displacement=0.1"});
+  says("[bar]\nlength = 1.0\n[[joint]]\nkind = \"bonded\"\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n",
+       "joint.1.kind: is between two tables [[bar]]");
+}
+
+TEST(ChainInput, OneTableAloneIsABar) {
+  const std::string rest = "length = 1.0\nviscosity = 0.1\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n";
+  const SceneFile one = parse_scene("[[bar]]\n" + rest, ""), bar = parse_scene("[bar]\n" + rest, "");
+  EXPECT_EQ(one.description(), bar.description());
+}
+
+// A scene is written as that scene, elements included.
+TEST(ChainInput, IsDescribedAsItWasUnderstood) {
+  const std::vector<std::string> finer = {"mesh.elements=90"};
+  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, finer}) {
+    const SceneFile scene = parse_scene(pair, "", settings);
+    const SceneFile again = described_scene(scene.description(), ""), text = parse_scene(scene_text(scene.values), "");
+    EXPECT_EQ(again.description(), scene.description());
+    EXPECT_EQ(text.description(), scene.description());
+    EXPECT_EQ(again.run.bar_elements, scene.run.bar_elements);
+    const Mesh mesh = scene.run.mesh();
+    EXPECT_EQ(mesh.elements, scene.run.elements + 1);
+    EXPECT_EQ(mesh.node((*mesh.members)[0]), 1.0);
+    EXPECT_EQ(mesh.node((*mesh.members)[0] + 1), 1.0);
+    EXPECT_EQ(mesh.node(mesh.elements), 2.5);
+  }
+}
+
+// By the time of a wave: 1 and 1.5 / sqrt(1.5).
+TEST(ChainInput, SharesElementsByTheTimeOfAWave) {
+  const Case run = parse_scene(pair, "").run;
+  EXPECT_EQ(run.bar_elements, (std::vector<std::size_t>{45, 55}));
+  EXPECT_EQ(parse_scene(pair, "", std::vector<std::string>{"bar.1.elements=10"}).run.bar_elements,
+            (std::vector<std::size_t>{10, 12}));
+}
+
+TEST(ChainInput, StudiesOfOneBarSaySo) {
+  LimitStudy limit;
+  limit.scene = parse_scene(pair, "").run;
+  EXPECT_THROW((void)limit_of(limit), std::invalid_argument);
+  PrecisionStudy precision;
+  precision.scene = limit.scene;
+  EXPECT_THROW((void)precision_of(precision), std::invalid_argument);
+}
+
+// From a checkpoint in contact the run goes on with the same bits.
+TEST(ChainCheckpoint, GoesOnWithTheSameBits) {
+  for (const char* method : {"rigid", "cvode", "arkode"}) {
+    const Case run = parse_scene(pair, "",
+                                 std::vector<std::string>{fmt::format("method.name={}", method), "contact.epsilon=1e-4",
+                                                          "contact.restitution=0"})
+                         .run;
+    const Setup setup = resolve(run);
+    const BarSystem system = setup.system();
+    std::vector<double> whole, rest;
+    std::optional<Checkpoint> middle;
+    Observers observers;
+    observers.energy = observers.account = true;
+    observers.snapshot = [&](const Snapshot& at) { whole.insert(whole.end(), at.u.begin(), at.u.end()); };
+    observers.checkpoints = Checkpoints{0.4, {}, [&](const Checkpoint& at) {
+                                          if (!middle) middle = at;
+                                          return RunControl::go_on;
+                                        }};
+    const Statistics done = simulate(setup, system, observers);
+    ASSERT_TRUE(middle) << method;
+    observers.snapshot = [&](const Snapshot& at) { rest.insert(rest.end(), at.u.begin(), at.u.end()); };
+    const Statistics again = simulate(setup, system, *middle, observers);
+    ASSERT_LT(rest.size(), whole.size());
+    EXPECT_TRUE(std::equal(rest.rbegin(), rest.rend(), whole.rbegin())) << method;
+    EXPECT_EQ(again.account->joints.at(0).impulse, done.account->joints.at(0).impulse) << method;
+    EXPECT_EQ(again.energy->dissipated, done.energy->dissipated) << method;
+  }
+}
+
+// Random chains: rigid contacts and stiff penalties of restitution 0 agree, energy and momentum are kept.
+TEST(RandomChains, AgreeByMethods) {
+  std::mt19937 random(44);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  constexpr const char* kinds[] = {"bonded", "contact", "spring"};
+  for (int trial = 0; trial < 12; ++trial) {
+    const int bars = 2 + trial % 4;
+    std::string text, joints;
+    for (int k = 0; k < bars; ++k) {
+      const double length = uniform(0.5, 2.0);
+      text += fmt::format("[[bar]]\nlength = {}\ndensity = {}\nmodulus = {}\nviscosity = {}\nsection = \"{}+{}*x\"\n",
+                          length, uniform(0.5, 2.0), uniform(0.5, 2.0), uniform(0.1, 0.3), uniform(0.5, 1.0),
+                          uniform(0.0, 0.5));
+      if (k + 1 == bars) continue;
+      const char* kind = kinds[random() % 3];
+      joints += fmt::format("[[joint]]\nkind = \"{}\"\n", kind);
+      if (kind[0] == 's') joints += fmt::format("stiffness = {}\ndamping = {}\n", uniform(0.5, 5.0), uniform(0.0, 0.5));
+      if (kind[0] == 'c') joints += fmt::format("gap = {}\n", uniform(0.0, 0.1));
+    }
+    const std::string rest = fmt::format(
+        "[left]\nkind = \"obstacle\"\ngap = 0.05\n[right]\nkind = \"{}\"\n[initial]\nvelocity = \"cos({}*x)\"\n[time]\n"
+        "end = 3.0\n[mesh]\nelements = 60\n[output]\nevery = 0.25\n[contact]\nepsilon = 1e-6\nrestitution = 0.0\n",
+        trial % 2 ? "free" : "fixed", uniform(0.5, 2.0));
+    const auto by = [&](const char* method, const char* tolerance) {
+      return record(
+          parse_scene(text + joints + rest, "",
+                      std::vector<std::string>{fmt::format("method.name={}", method), "mesh.mass=fourth_order",
+                                               fmt::format("method.relative_tolerance={}", tolerance)})
+              .run);
+    };
+    const Recording rigid = by("rigid", "1e-9"), arkode = by("arkode", "1e-8");
+    // The penalty gives way by some 1e-6 and its dashpot stops nodes by sqrt(epsilon).
+    for (std::size_t k = 0; k < rigid.u.size(); ++k)
+      ASSERT_NEAR(rigid.u[k], arkode.u[k], 5e-3) << trial << ' ' << text << joints;
+    EXPECT_NEAR(rigid.statistics.energy->balance_error(), 0.0, 1e-7) << trial;
+    EXPECT_NEAR(arkode.statistics.energy->balance_error(), 0.0, 1e-5) << trial;
+  }
+}
+
+}  // namespace
+}  // namespace viscobar
