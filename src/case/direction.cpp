@@ -70,6 +70,9 @@ double* number_of(Case& run, std::string_view key) {
 }
 
 Direction direction(const Case& run, std::string_view key) {
+  if (!run.scene.chain.empty())
+    throw std::invalid_argument(
+        fmt::format("{}: no sensitivity with respect to it: several bars in line have none yet", key));
   const Scene& scene = run.scene;
   Direction along;
   along.key = key;

@@ -247,8 +247,9 @@ void check_chain(const Setup& setup, Findings& findings) {
     const Joint& joint = scene.chain[k].joint;
     if (joint.kind != JointKind::contact) continue;
     const MethodName method = run.method;
-    if (method == MethodName::exponential || method == MethodName::fully_discrete)
-      findings.report("method.name", "{} has no contacts at joints yet; use rigid, arkode, cvode, ida or odeint",
+    if (method == MethodName::exponential)
+      findings.report("method.name",
+                      "{} has no contacts at joints yet; use rigid, arkode, cvode, ida, odeint or fully_discrete",
                       name(method));
     if (joint.stop && !joint.stop->linear())
       findings.report(joint.stop->key(fmt::format("joint.{}", k + 1), "law"),

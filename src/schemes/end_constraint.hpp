@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,20 +8,25 @@
 
 namespace viscobar {
 
-/// min 1/2 x.A x - b.x  subject to  s_X x_X >= bound_X  at two entries X of x at most, solved in closed form:
+/// min 1/2 x.A x - b.x  subject to  s_X x_X >= bound_X  at a few entries X of x, or at a joint x_X - x_{X-1} >=
+/// bound_X,
 ///
 ///     A x = b + sum_X lambda_X s_X e_X,    0 <= s_X x_X - bound_X  _|_  lambda_X >= 0,
 ///
-/// s_X = 1 or -1. The columns A^{-1} s_X e_X are computed once. Their rows X are positive definite, or for a mass with
-/// end rows have positive diagonal and determinant, so exactly one of the two or four contact states fits.
+/// s_X = 1 or -1, at a joint e_X - e_{X-1} in place of s_X e_X. Two at most are solved in closed form, more by
+/// principal pivoting [Murty 1974]. The columns A^{-1} s_X e_X are computed once. Their rows X are positive definite,
+/// or for a mass with end rows have positive diagonal and determinant, so exactly one of the two or four contact states
+/// fits.
 class EndConstraint {
  public:
   /// An entry and its sign.
   struct Bounded {
     // NOLINTNEXTLINE(google-explicit-constructor): an entry alone is bounded from below
-    Bounded(std::size_t bounded_entry, double from = 1.0) : entry(bounded_entry), sign(from) {}
+    Bounded(std::size_t bounded_entry, double from = 1.0, bool at_joint = false)
+        : entry(bounded_entry), sign(from), joint(at_joint) {}
     std::size_t entry;
     double sign;
+    bool joint;
   };
   EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries);
 
@@ -31,18 +35,23 @@ class EndConstraint {
   void solve(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
   /// 1 where the last solution is held by its bound.
-  std::span<const unsigned char> active() const { return {active_.data(), columns_.size()}; }
+  std::span<const unsigned char> active() const { return active_; }
 
  private:
   struct Column {
     Bounded at;
     std::vector<double> values;  // A^{-1} s e_entry
-    double of(std::span<const double> x) const { return at.sign * x[at.entry]; }
+    double of(std::span<const double> x) const {
+      return at.joint ? x[at.entry] - x[at.entry - 1] : at.sign * x[at.entry];
+    }
   };
+
+  void put_on(const Column& column, double bound, std::span<double> x) const;
+  void solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
   TridiagonalFactor factor_;
   std::vector<Column> columns_;
-  std::array<unsigned char, 2> active_{};
+  std::vector<unsigned char> active_;
 };
 
 }  // namespace viscobar

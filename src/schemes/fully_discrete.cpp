@@ -213,6 +213,12 @@ class Run {
       });
       if (end.peak_reaction > 0.0) end.contact.close(times_.front());
     }
+    for (std::size_t k = 0; k < step_->contacts().size(); ++k) {
+      const std::size_t number = step_->contacts()[k].joint;
+      if (number == 0) continue;
+      account.joints.resize(std::max(account.joints.size(), number));
+      account.joints[number - 1].impulse = step_->start_impulse()[k];
+    }
     account.span.impulse = of_span(step_->start_impulse());
     account.span.peak_reaction = account.span.latest.raise(of_span(step_->reaction_before()), times_.front());
   }
@@ -259,6 +265,7 @@ class Run {
     for (const bool right : {false, true}) {
       if (system_.wall(right)) continue;
       const auto found = std::ranges::equal_range(contacts, system_.end(right), {}, &Contact::unknown);
+      if (!found.empty() && found.front().joint > 0) continue;
       at_end_[right] = {found.begin() - contacts.begin(), found.end() - contacts.begin()};
     }
   }
@@ -293,6 +300,13 @@ class Run {
         end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now[k]));
         end.peak_reaction = std::max(end.peak_reaction, end.latest.raise(sign(k) * reaction(k, theta), until));
       }
+    }
+    for (std::size_t k = 0; k < step_->contacts().size(); ++k) {
+      const std::size_t number = step_->contacts()[k].joint;
+      if (number == 0 || (now[k] == 0.0 && then[k] == 0.0)) continue;
+      JointAccount& joint = statistics_.account->joints[number - 1];
+      joint.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * then[k] : 0.0) + theta / 2 * now[k]);
+      joint.peak_reaction = std::max(joint.peak_reaction, reaction(k, theta));
     }
     if (!spanned_) return;
     const double before = of_span(step_->reaction_before()), after = of_span(step_->reaction());
@@ -343,6 +357,15 @@ class Run {
     Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
     if (spanned_)
       snapshot.reaction_span = (1.0 - theta) * of_span(step_->reaction_before()) + theta * of_span(step_->reaction());
+    joint_forces_.clear();
+    for (const JointNodes& joint : system_.joints()) {
+      double force = joint.stiffness * (u_nodal_[joint.node - 1] - u_nodal_[joint.node]) +
+                     joint.damping * (v_nodal_[joint.node - 1] - v_nodal_[joint.node]);
+      for (std::size_t k = 0; k < step_->contacts().size(); ++k)
+        if (step_->contacts()[k].joint == joint.number) force += reaction(k, theta);
+      joint_forces_.push_back(force);
+    }
+    snapshot.joint_forces = joint_forces_;
     if (observers_.energy) {
       const double now = time(n_);
       snapshot.energy = step_->energies(now);
@@ -383,14 +406,14 @@ class Run {
     for (std::size_t k = 0; k < contacts.size(); ++k)
       largest_ = std::max({largest_, step_->reaction()[k], step_->reaction_before()[k], mass(k) * size / (dt * dt)});
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (const std::size_t i = contacts[k].unknown; was_active_[k] && !active_[k]) {
+      if (was_active_[k] && !active_[k]) {
         was_active_[k] = 0;
-        tell(time(n), k, Change::opening, step_->p()[i] + dt * step_->acceleration()[i]);
+        tell(time(n), k, Change::opening, contacts[k].of(step_->p()) + dt * contacts[k].of(step_->acceleration()));
       }
     // A closing is more than rounding: it pushes its node, or its node has moved in.
     constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const double velocity = step_->p()[contacts[k].unknown];
+      const double velocity = contacts[k].of(step_->p());
       if (!active_[k] || was_active_[k]) continue;
       if (!(std::max(step_->reaction()[k], mass(k) * std::abs(velocity) / dt) > rounding * largest_)) continue;
       was_active_[k] = 1;
@@ -402,7 +425,8 @@ class Run {
     if (t > times_.back()) return;
     const Contact& contact = step_->contacts()[k];
     if (system_.moving()) velocity += system_.lift(t, 1).at(system_.share(contact.unknown));
-    Event event{t, contact.where, contact.unknown + system_.first_node(), change, velocity};
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system_.first_node();
+    Event event{t, contact.where, node, change, velocity};
     count_change(statistics_, event);
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
     if (statistics_.account && change == Change::closing && contact.where == Where::span)
@@ -443,7 +467,9 @@ class Run {
     double taken = 0.0, given = 0.0;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       const double impulse = dt * step_->reaction()[k];
-      taken -= impulse * (sign(k) * step_->mean_velocity(contacts[k].unknown));
+      const std::size_t i = contacts[k].unknown;
+      const double against = contacts[k].joint > 0 ? step_->mean_velocity(i - 1) : 0.0;
+      taken -= impulse * (sign(k) * (step_->mean_velocity(i) - against));
       if (impulse != 0.0 && system_.moves(contacts[k]))
         given -= impulse * (gap(k, n_ + 1) - gap(k, n_ - 1)) / (2.0 * dt);
     }
@@ -496,8 +522,8 @@ class Run {
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
     for (std::size_t k = 0; k < step_->contacts().size(); ++k)
-      statistics_.max_penetration = std::max(
-          statistics_.max_penetration, -step_->clearance(k, time(n_ + 1), step_->u()[step_->contacts()[k].unknown]));
+      statistics_.max_penetration = std::max(statistics_.max_penetration,
+                                             -step_->clearance(k, time(n_ + 1), step_->contacts()[k].of(step_->u())));
   }
 
   bool take_checkpoint(double t) {
@@ -556,6 +582,7 @@ class Run {
   std::vector<WatchedEnd> watched_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::vector<double> a_nodal_;  // where an end is fixed
+  std::vector<double> joint_forces_;
   std::optional<TimeStep> step_;
 };
 

@@ -21,7 +21,9 @@ constexpr double unbounded = -std::numeric_limits<double>::infinity();
 std::vector<Contact> bounded_nodes(std::vector<Contact> nodes) {
   std::ranges::sort(nodes, {},
                     [](const Contact& one) { return std::tuple(one.unknown, one.sign, one.gap, one.where); });
-  const auto same = [](const Contact& a, const Contact& b) { return a.unknown == b.unknown && a.sign == b.sign; };
+  const auto same = [](const Contact& a, const Contact& b) {
+    return a.unknown == b.unknown && a.sign == b.sign && a.joint == b.joint;
+  };
   nodes.erase(std::unique(nodes.begin(), nodes.end(), same), nodes.end());
   return nodes;
 }
@@ -66,7 +68,8 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     interface_.resize(condensed.size());
     std::vector<EndConstraint::Bounded> ends;
     for (const Contact& contact : contacts_)
-      ends.push_back({contact.unknown == 0 ? 0 : condensed.size() - 1, contact.sign});
+      ends.push_back({contact.joint > 0 || contact.unknown == 0 ? contact.unknown : condensed.size() - 1, contact.sign,
+                      contact.joint > 0});
     solver_.emplace<EndConstraint>(condensed, ends);
     solves_ = ends.size();
   }
@@ -83,7 +86,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
   start_from(start, begin, scheme.start);
   balance(begin + dt_);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    reaction_before_[k] = clearance(k, begin, start.u[contacts_[k].unknown]) <= 0.0 ? reaction_[k] : 0.0;
+    reaction_before_[k] = clearance(k, begin, contacts_[k].of(start.u)) <= 0.0 ? reaction_[k] : 0.0;
 }
 
 void TimeStep::start_from(const State& start, double begin, Start order) {
@@ -111,9 +114,12 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
 }
 
 void TimeStep::keep_within(std::size_t k) {
-  const double sign = contacts_[k].sign;
-  double& u = u_[contacts_[k].unknown];
-  u = sign * std::max(sign * u, lower_[k]);
+  const auto& [unknown, sign] = std::pair(contacts_[k].unknown, contacts_[k].sign);
+  double& u = u_[unknown];
+  if (contacts_[k].joint > 0)
+    u = u_[unknown - 1] + std::max(contacts_[k].of(u_), lower_[k]);
+  else
+    u = sign * std::max(sign * u, lower_[k]);
 }
 
 void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound,
@@ -133,7 +139,7 @@ void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::
 
 // The velocity of contact k's node, in the direction that it is bounded from, that leads to the bound.
 double TimeStep::least_velocity(std::size_t k) const {
-  return (lower_[k] - contacts_[k].sign * u_[contacts_[k].unknown]) / dt_;
+  return (lower_[k] - contacts_[k].sign * contacts_[k].of(u_)) / dt_;
 }
 
 // The velocity next to p_, in the norm of the inertia, that leads to no penetration: what an impact does that takes all
@@ -144,11 +150,11 @@ void TimeStep::project_start() {
   bool held = false;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     bound[k] = least_velocity(k);
-    held |= contacts_[k].sign * p_[contacts_[k].unknown] < bound[k];
+    held |= contacts_[k].sign * contacts_[k].of(p_) < bound[k];
   }
   if (!held) return;
   const SymmetricTridiagonal& inertia = system_.inertia();
-  if (inertia.is_diagonal() || system_.has_massless()) {
+  if ((inertia.is_diagonal() && !system_.is_chain()) || system_.has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
       const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p_[i], 0.0);
@@ -165,7 +171,7 @@ void TimeStep::project_start() {
     solve_span(span, momentum, bound, p, impulse);
   } else {
     std::vector<EndConstraint::Bounded> ends;
-    for (const Contact& contact : contacts_) ends.push_back({contact.unknown, contact.sign});
+    for (const Contact& contact : contacts_) ends.push_back({contact.unknown, contact.sign, contact.joint > 0});
     EndConstraint(inertia, ends).solve(momentum, bound, impulse);
     p.swap(momentum);
   }
@@ -204,7 +210,7 @@ void TimeStep::bound_contacts(double t) {
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k];
-    const double u = contact.sign * u_[contact.unknown], p = contact.sign * p_[contact.unknown];
+    const double u = contact.sign * contact.of(u_), p = contact.sign * contact.of(p_);
     // A step back from the start the obstacle has moved as the bar, at its initial velocity.
     const double gap = system_.gap(contact, t), next = system_.gap(contact, t + dt_);
     const double before = t > begin_ + dt_ / 2 ? system_.gap(contact, t - dt_) : gap - dt_ * system_.gap(contact, t, 1);
@@ -270,7 +276,7 @@ void TimeStep::evaluate_load(double t) {
 // Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
 void TimeStep::solve(double lever) {
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    bound_[k] = (least_velocity(k) - contacts_[k].sign * p_[contacts_[k].unknown]) / lever;
+    bound_[k] = (least_velocity(k) - contacts_[k].sign * contacts_[k].of(p_)) / lever;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
     system_.internal_force(u_, p_, interface_);
     for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
@@ -345,8 +351,9 @@ void TimeStep::advance() {
       keep_within(k);
       continue;
     }
-    p_[i] = contacts_[k].sign * bound_[k];
-    u_[i] = contacts_[k].sign * lower_[k];
+    const bool of_joint = contacts_[k].joint > 0;
+    p_[i] = of_joint ? p_[i - 1] + bound_[k] : contacts_[k].sign * bound_[k];
+    u_[i] = of_joint ? u_[i - 1] + lower_[k] : contacts_[k].sign * lower_[k];
   }
 }
 

@@ -64,7 +64,7 @@ class TimeStep {
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
   bool obstacles_move() const { return obstacles_move_; }  ///< true if any of these does
-  /// s u + gap(t) of contact k for a displacement of its node.
+  /// s u + gap(t) of contact k for a displacement u of its node, at a joint against the one before.
   double clearance(std::size_t k, double t, double u) const {
     return contacts_[k].sign * u + (obstacles_move_ ? system_.gap(contacts_[k], t) : contacts_[k].gap);
   }

@@ -44,7 +44,6 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
   says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
-  says(pair, "fully_discrete has no contacts at joints yet", {"method.name=fully_discrete"});
   says(pair, "exponential has no contacts at joints yet", {"method.name=exponential"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
   says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});
@@ -106,7 +105,7 @@ TEST(ChainCheckpoint, GoesOnWithTheSameBits) {
                                  std::vector<std::string>{fmt::format("method.name={}", method), "contact.epsilon=1e-4",
                                                           "contact.restitution=0"})
                          .run;
-    const Setup setup = resolve(run);
+    const auto setup = resolve(run);
     const BarSystem system = setup.system();
     std::vector<double> whole, rest;
     std::optional<Checkpoint> middle;

@@ -184,6 +184,22 @@ TEST(ContactJoint, PenalisedMethodsComeNear) {
   }
 }
 
+// By (2.8) to the step.
+TEST(ContactJoint, TheSchemeComesNear) {
+  std::vector<double> errors;
+  for (const char* step : {"4e-3", "2e-3", "1e-3"}) {
+    const Recording found = record(parse_scene(pair_text(0.1, 40, "fully_discrete"), "",
+                                               std::vector<std::string>{fmt::format("method.step={}", step)})
+                                       .run);
+    ASSERT_GE(found.events.size(), 2U) << step;
+    errors.push_back(found.statistics.account->joints.at(0).impulse - pair_truths[1].impulse);
+    EXPECT_NEAR(found.events.back().time, pair_truths[1].end, 0.05) << step;
+    EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-10) << step;
+  }
+  EXPECT_LT(std::abs(errors[2]), 0.01) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+  EXPECT_LT(std::abs(errors[2]), 0.7 * std::abs(errors[1]));
+}
+
 // Elastic bars of equal length, all free: the first one stops, the second has its velocity, after 2 L / c. On a mesh to
 // some h.
 TEST(ContactJoint, EqualElasticBarsExchangeTheirVelocities) {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "studies/fit/search.hpp"
-#include "studies/one_bar.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -247,7 +246,6 @@ void check(const FitStudy& study) {
   const auto require = [](bool holds, const std::string& what) {
     if (!holds) throw std::invalid_argument("fit: " + what);
   };
-  require_one_bar(study.scene.scene, "fit");
   require(!study.parameters.empty(), "there is no parameter to look for");
   require(!study.traces.empty() || !study.changes.empty(), "there are no data");
   for (const FittedParameter& parameter : study.parameters) {
