@@ -247,10 +247,6 @@ void check_chain(const Setup& setup, Findings& findings) {
     const Joint& joint = scene.chain[k].joint;
     if (joint.kind != JointKind::contact) continue;
     const MethodName method = run.method;
-    if (method == MethodName::exponential)
-      findings.report("method.name",
-                      "{} has no contacts at joints yet; use rigid, arkode, cvode, ida, odeint or fully_discrete",
-                      name(method));
     if (joint.stop && !joint.stop->linear())
       findings.report(joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
                       "\"{}\" is no law for the contact of a joint yet; use \"spring_damper\", or leave the law out",

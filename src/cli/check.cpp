@@ -85,12 +85,16 @@ std::string check_text(const SceneCheck& check) {
   const Scene& scene = run.scene;
   const Mesh& mesh = system.mesh();
   std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
-  text += row("elasticity", "E = {}, h = {:.4g}{}", scene.bar.modulus, mesh.spacing(),
+  for (const std::string& words : member_texts(scene)) text += row("member", words);
+  text += row("elasticity", "{}h = {:.4g}{}", scene.chain.empty() ? fmt::format("E = {}, ", scene.bar.modulus) : "",
+              mesh.spacing(),
               mesh.uniform() ? ""
                              : fmt::format(" on average, {:.4g} {}", mesh.smallest(),
                                            mesh.given ? "the least" : "at the contacts"));
   if (scene.section) text += row("section", section_text(scene));
-  text += row("damping", system.damped() ? fmt::format("eta = {}", scene.bar.viscosity) : "none");
+  text += row("damping", !system.damped()      ? "none"
+                         : scene.chain.empty() ? fmt::format("eta = {}", scene.bar.viscosity)
+                                               : "of each bar its own");
   text += row("load", load_kind(scene));
   if (scene.side) text += row("side", side_text(scene));
   for (const std::string& words : inputs_text(system.bar(), scene.left, scene.left_input))

@@ -58,6 +58,10 @@ FileChecksums checksums_of(const std::string& file, const PicturedPage& page) {
 
 std::string model_html(const Scene& scene) {
   const Bar& bar = scene.bar;
+  if (!scene.chain.empty())
+    return fmt::format("{} in line, <i>L</i> = {}: {}. Left end {}; right end {}.", scene.chain.size(),
+                       readable(bar.length), fmt::format("{}", fmt::join(member_texts(scene), "; ")),
+                       end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
   const bool damped = bar.viscosity > 0.0;
   std::string load = "0";
   if (scene.load)

@@ -69,6 +69,23 @@ std::string range_along(const Scene& scene, const SpaceFunction& f, auto&& of) {
 
 }  // namespace
 
+std::vector<std::string> member_texts(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const Member& member : scene.chain) {
+    const Bar& bar = member.bar;
+    std::string text = fmt::format("rigid body of mass {}", member.mass);
+    if (!member.rigid())
+      text = fmt::format("bar of L = {}, rho = {}, E = {}, eta = {}{}", bar.length, bar.density, bar.modulus,
+                         bar.viscosity, member.section ? ", of varying section" : "");
+    const Joint& joint = member.joint;
+    if (&member != &scene.chain.back()) text += fmt::format(", then {}", name(joint.kind));
+    if (joint.kind == JointKind::contact) text += fmt::format(" over a gap of {}", joint.gap);
+    if (joint.kind == JointKind::spring) text += fmt::format(" of k = {}, c = {}", joint.stiffness, joint.damping);
+    lines.push_back(std::move(text));
+  }
+  return lines;
+}
+
 std::string section_text(const Scene& scene) {
   return "A = " + range_along(scene, scene.section, [](double area) { return area; });
 }
@@ -284,6 +301,7 @@ std::string check_json(const SceneCheck& check) {
                    {"damping", system.damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(check.setup))}};
+  if (!run.scene.chain.empty()) json["terms"]["members"] = member_texts(run.scene);
   if (run.scene.section) json["terms"]["section"] = section_text(run.scene);
   if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))

@@ -41,6 +41,8 @@ std::string_view load_kind(const Scene& scene);
 std::string side_text(const Scene& scene);
 /// The section that varies, in words.
 std::string section_text(const Scene& scene);
+/// A line for each member of a chain: what it is, and how it hangs together with the next.
+std::vector<std::string> member_texts(const Scene& scene);
 /// Forces, motion and mounts of an end, and their terms in the model, a sentence for each.
 std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
 std::string contact_kind(const Setup& setup);

@@ -141,7 +141,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   for (const Quantity quantity : FieldReader::quantities)
     if (field && field->has(quantity))
       add(FieldReader::name(quantity), [&, quantity](const fs::path& file) { write_csv(file, *field, quantity); });
-  for (const std::string table : {"ends", "energy", "gauges"})
+  for (const std::string table : {"ends", "energy", "gauges", "joints"})
     if (is_there(table))
       add(table, [&, from = result / (table + ".csv")](const fs::path& file) {
         if (!in_place) copy_table(from, file);

@@ -114,7 +114,10 @@ inline void count_change(Statistics& statistics, Event& event) {
     if (event.change == Change::opening && account.span.closed() == 0) event.peak = account.span.latest;
     return;
   }
-  if (event.where == Where::joint) return;
+  if (event.where == Where::joint) {
+    event.impulse = account.joints[event.node - 1].impulse;
+    return;
+  }
   const EndAccount& end = event.where == Where::left ? account.left : account.right;
   event.impulse = end.impulse;
   if (event.change == Change::opening) event.peak = end.latest;

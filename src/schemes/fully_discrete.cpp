@@ -431,7 +431,7 @@ class Run {
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
     if (statistics_.account && change == Change::closing && contact.where == Where::span)
       statistics_.account->span.latest.raise(of_span(step_->reaction()), t);
-    if (event.impulse && change == Change::closing) {
+    if (event.impulse && change == Change::closing && contact.at_end()) {
       EndAccount& end = account_of(contact.where == Where::right);
       end.latest.raise(sign(k) * step_->reaction()[k], t);
       *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);

@@ -44,7 +44,6 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
   says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
-  says(pair, "exponential has no contacts at joints yet", {"method.name=exponential"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
   says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});
   says(pair, "span.gap", {"span.gap=2"});

@@ -176,7 +176,7 @@ TEST(ContactJoint, AnImpactOfUnlikeBarsIsThatOfLaplacesTransform) {
 
 // A penalty of 1e-5 gives way by some 1e-5, and its dashpot takes the velocity of the nodes alone.
 TEST(ContactJoint, PenalisedMethodsComeNear) {
-  for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
+  for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
     const Recording found = record(parse_scene(pair_text(0.1, 20, method), "").run);
     ASSERT_GE(found.events.size(), 2U) << method;
     EXPECT_NEAR(found.events.back().time, pair_truths[1].end, 0.02) << method;

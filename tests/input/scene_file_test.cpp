@@ -68,7 +68,6 @@ TEST_P(Example, RunsByEveryMethodButThoseThatCannotTakeItsMassOrMesh) {
   const Case run = read_scene(GetParam()).run;
   const auto cannot = [&](MethodName method) {
     const bool massless = run.mass == Mass::redistributed;
-    if (has_contact_joint(run.scene) && method == MethodName::exponential) return true;
     if (!run.scene.chain.empty() && (method == MethodName::characteristics || method == MethodName::finite_difference))
       return true;
     if (has_stops(run.scene))

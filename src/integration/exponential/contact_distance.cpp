@@ -110,6 +110,7 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
                              (system_.stretch_at(penalised_.contact(c).unknown) / system_.bar().modulus);
   } else {
     result = series.row(node(c)).transpose();
+    if (penalised_.contact(c).joint > 0) result -= series.row(node(c) - 1).transpose();
   }
   result[0] -= propagators_.surface(c);
   const bool inwards = penalised_.closed(c) == (penalised_.contact(c).sign > 0.0);

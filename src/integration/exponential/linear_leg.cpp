@@ -153,9 +153,11 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
     }
     for (const ClosedContact& contact : closed_) {
       const Index i = contact.unknown;
-      if (i >= massive_begin_ && i < massive_end_)
-        force[i - massive_begin_] -=
-            contact.law.stiffness * (u[i] - constant * contact.surface) + contact.law.damping * rate * v[i];
+      if (i < massive_begin_ || i >= massive_end_) continue;
+      const Real pull = contact.law.stiffness * (contact.of<Real>(u) - constant * contact.surface) +
+                        contact.law.damping * rate * contact.of<Real>(v);
+      force[i - massive_begin_] -= pull;
+      if (contact.joint) force[i - 1 - massive_begin_] += pull;
     }
     if (side_) {
       const auto displacement = [&](std::size_t j) {
@@ -224,7 +226,7 @@ Real LinearLeg<Real>::dissipation(const Vector& v) const {
     if (left_fixed_) sum += damping_[0] * v[0] * v[0];
     if (right_fixed_) sum += damping_[n_] * v[n_ - 1] * v[n_ - 1];
   }
-  for (const ClosedContact& contact : closed_) sum += contact.law.damping * v[contact.unknown] * v[contact.unknown];
+  for (const ClosedContact& contact : closed_) sum += contact.law.damping * contact.of<Real>(v) * contact.of<Real>(v);
   if (side_ && side_->has_drag()) sum += side_->drag_power(at_nodes(v, 0, 0));
   return sum;
 }

@@ -15,11 +15,19 @@ using Eigen::Index;
 /// Terms of the Taylor series of a step with (rate bound) * step <= 1: 1 / 22! < 2^-64.
 inline constexpr Index taylor_order = 22;
 
-/// A closed contact: its node, where u is zero penetration, and its law. A mount is one, too, that is always closed.
+/// A closed contact: its node, where u is zero penetration, and its law. A mount is one, too, that is always closed. At
+/// a joint u is that of the node against the one before.
 struct ClosedContact {
   Index unknown = 0;
   double surface = 0.0;
   PenaltyLaw law;
+  bool joint = false;
+
+  /// Its u, or the rate of that, by those of all unknowns.
+  template <class Real>
+  Real of(const auto& x) const {
+    return joint ? Real(x[unknown] - x[unknown - 1]) : Real(x[unknown]);
+  }
 };
 
 /// The penalised bar while its contact states do not change,

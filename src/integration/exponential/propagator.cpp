@@ -197,10 +197,10 @@ Propagator& PropagatorCache::present() {
   } else {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
-      if (state[c]) closed.push_back({node(c), surface(c), system_.law(c)});
+      if (state[c]) closed.push_back({node(c), surface(c), system_.law(c), system_.contact(c).joint > 0});
     for (const Mount& mount : system_.bar().mounts()) {
       const auto at = static_cast<Index>(mount.unknown);
-      closed.push_back({at, -origin_[at], {mount.stiffness, mount.dashpot}});
+      closed.push_back({at, -origin_[at], {mount.stiffness, mount.dashpot}, false});
     }
     entries_.push_back({state, std::make_unique<Propagator>(system_.bar(), origin_, inverse_inertia_, load_,
                                                             std::move(closed), exponentials_)});

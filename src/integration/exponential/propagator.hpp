@@ -73,7 +73,10 @@ class PropagatorCache {
   /// Norm of (rho M)^{-1} on the massive nodes.
   double inverse_inertia() const { return inverse_inertia_; }
   /// Where contact c begins, measured from the origin.
-  double surface(std::size_t c) const { return -system_.contact(c).sign * system_.contact(c).gap - origin_[node(c)]; }
+  double surface(std::size_t c) const {
+    const Contact& contact = system_.contact(c);
+    return -contact.sign * contact.gap - contact.of({origin_.data(), static_cast<std::size_t>(origin_.size())});
+  }
 
  private:
   Index node(std::size_t c) const { return static_cast<Index>(system_.contact(c).unknown); }

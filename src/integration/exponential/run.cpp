@@ -138,7 +138,7 @@ void Run::begin(const State& start) {
     if (!penalised_.closed(c)) continue;
     statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
     measure_from_obstacle(c);
-    tell_change(c, approach[node(c)]);
+    tell_change(c, penalised_.contact(c).of(approach));
   }
   begin_leg();
   statistics_.unknowns = static_cast<std::size_t>(y_.size());
@@ -178,7 +178,7 @@ void Run::watch_ends() {
 }
 
 void Run::measure_from_obstacle(std::size_t closing) {
-  if (distance_.follows(closing) || measured_[closing]) return;
+  if (distance_.follows(closing) || measured_[closing] || penalised_.contact(closing).joint > 0) return;
   for (std::size_t c = 0; c < contacts(); ++c) {
     const Contact &one = penalised_.contact(c), &other = penalised_.contact(closing);
     if (one.where != other.where || one.sign != other.sign) continue;
@@ -346,7 +346,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
   std::vector<std::size_t> changing;
   for (std::size_t c = 0; c < contacts(); ++c) {
     if (penalised_.moves(c)) continue;
-    const double away = sign(c) * v[node(c)];
+    const double away = sign(c) * penalised_.contact(c).of(entries(v));
     const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
     const bool changes =
         pushes[c] ? slope(pushes[c]->along, sigma) < 0.0 && std::abs(value(pushes[c]->along, sigma)) <= pushes[c]->band
@@ -362,8 +362,9 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
     penalised_.set_closed(c, !penalised_.closed(c));
     if (penalised_.closed(c)) measure_from_obstacle(c);
     if (!distance_.follows(c) && !pushes[c])
-      y_[node(c)] = propagators_.surface(c);  // to the digits that only the new leg needs
-    tell_change(c, v[node(c)]);
+      y_[node(c)] = propagators_.surface(c) +  // to the digits that only the new leg needs
+                    (penalised_.contact(c).joint > 0 ? y_[node(c) - 1] : 0.0);
+    tell_change(c, penalised_.contact(c).of(entries(v)));
   }
   begin_leg();
   if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
@@ -481,7 +482,7 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
   const auto reaction = [&](Index end) {
     double sum = 0.0;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      if (!penalised_.closed(c) || node(c) != end) continue;
+      if (!penalised_.closed(c) || penalised_.contact(c).joint > 0 || node(c) != end) continue;
       const double force = penalised_.law(c).reaction(
           distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -sign(c) * v[end]);
       sum += sign(c) * (penalised_.stop(c) ? std::max(force, 0.0) : force);

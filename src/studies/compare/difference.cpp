@@ -123,8 +123,11 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
       ContactPeriod& period = periods[index];
       period.end = recording.times.back();
       const auto& account = recording.statistics.account;
-      if (account && before[index] && period.where != Where::joint)
-        period.impulse = (period.where == Where::left ? account->left : account->right).impulse - *before[index];
+      if (!account || !before[index]) continue;
+      const double impulse = period.where == Where::joint  ? account->joints.at(period.node - 1).impulse
+                             : period.where == Where::left ? account->left.impulse
+                                                           : account->right.impulse;
+      period.impulse = impulse - *before[index];
     }
   for (std::size_t k = 0; k < periods.size(); ++k) {
     ContactPeriod& period = periods[k];
