@@ -48,7 +48,8 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
   bounded_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
     look_up(i);
-    bounded_ &= weights_[i].alone && weights_[i].offset;
+    const bool of_joint = system_.contact(i).joint > 0 && !system_.closed(i);
+    bounded_ &= (weights_[i].alone || of_joint) && weights_[i].offset;
     const std::size_t end = weights_[i].alone && !lets_go(i) ? first_[i] + 1 : first_[i + 1];
     for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
   }
@@ -271,7 +272,9 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
     if (!far(i)) return false;
   for (std::size_t i = 0; i < count_; ++i)
     if (system_.collides(i) && !system_.closed(i))
-      stepper_.weights().widen(i, system_.contact(i).sign * last_[first_[i]] + system_.indicator_offset(i, 0.0));
+      stepper_.weights().widen(i, (system_.contact(i).joint > 0 ? last_[first_[i] + 1] - last_[first_[i] + 2]
+                                                                : system_.contact(i).sign * last_[first_[i]]) +
+                                      system_.indicator_offset(i, 0.0));
   return !watched || ends->within(lowest_, highest_, last_);
 }
 
@@ -279,10 +282,10 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
 bool EventSearch::look_at_the_near() {
   select_entries(all_);
-  stepper_.hull(lowest_, highest_, last_);
+  const bool bounded = stepper_.hull(lowest_, highest_, last_);
   looked_at_.clear();
   for (std::size_t i = 0; i < count_; ++i)
-    if (!far(i)) looked_at_.push_back(i);
+    if (!bounded || !far(i)) looked_at_.push_back(i);
   if (looked_at_.empty()) return false;
   for (const std::size_t i : looked_at_) look_up(i);
   select_entries(looked_at_);
@@ -303,7 +306,10 @@ void EventSearch::select_entries(const std::vector<std::size_t>& contacts) {
 
 bool EventSearch::far(std::size_t i) const {
   if (system_.moves(i)) return true;
-  if (system_.contact(i).joint > 0) return false;
+  if (system_.contact(i).joint > 0) {
+    const std::size_t b = first_[i] + 1, a = first_[i] + 2;
+    return !system_.closed(i) && lowest_[b] - highest_[a] + system_.contact(i).gap > 0.0;
+  }
   if (lets_go_ && lets_go(i) && system_.closed(i)) return false;
   const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];

@@ -167,5 +167,32 @@ TEST(RandomChains, AgreeByMethods) {
   }
 }
 
+// More contacts than a search samples unasked, an end among them.
+TEST(RandomChains, ManyContactsAreAllFound) {
+  std::string text, joints;
+  for (int k = 0; k < 7; ++k) {
+    text += fmt::format("[[bar]]\nlength = 1.0\ndensity = {}\nviscosity = 0.2\nvelocity = {}\nelements = 10\n",
+                        1.0 + 0.1 * k, 0.4 - 0.2 * k);
+    if (k > 0) joints += fmt::format("[[joint]]\nkind = \"contact\"\ngap = {}\n", 0.02 * k);
+  }
+  const std::string rest =
+      "[left]\nkind = \"obstacle\"\ngap = 0.05\n[time]\nend = 6.0\n[mesh]\nmass = \"fourth_order\"\n[output]\nevery = "
+      "0.5\n[contact]\nepsilon = 1e-6\nrestitution = 0.0\n";
+  const auto by = [&](const std::string& method) {
+    return record(parse_scene(text + joints + rest, "",
+                              std::vector<std::string>{"method.name=" + method, "method.step=5e-4",
+                                                       "method.relative_tolerance=1e-8"})
+                      .run);
+  };
+  const Recording rigid = by("rigid");
+  EXPECT_GE(rigid.statistics.account->left.closings, 1U);
+  for (const JointAccount& joint : rigid.statistics.account->joints) EXPECT_GE(joint.closings, 1U);
+  for (const char* method : {"cvode", "arkode", "fully_discrete"}) {
+    const Recording other = by(method);
+    for (std::size_t k = 0; k < rigid.u.size(); ++k) ASSERT_NEAR(rigid.u[k], other.u[k], 5e-3) << method << k;
+    EXPECT_NEAR(rigid.statistics.account->left.impulse, other.statistics.account->left.impulse, 5e-3) << method;
+  }
+}
+
 }  // namespace
 }  // namespace viscobar
