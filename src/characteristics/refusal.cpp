@@ -16,6 +16,8 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
     return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes "
                                               "them; use rigid, or one of the penalised methods",
                                               bar.viscosity)};
+  if (!scene.chain.empty())
+    return Finding{"method.name", "characteristics takes one bar; for several in line use rigid"};
   if (scene.section)
     return Finding{"bar.section",
                    "is not for characteristics: a section that varies reflects waves at every place; use "

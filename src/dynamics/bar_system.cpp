@@ -93,7 +93,10 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (redistributed && scene.span)
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
-  if (chain_ && redistributed) throw std::invalid_argument("mass \"redistributed\" does not fit several bars in line");
+  if (chain_ && (redistributed || mass == Mass::paper))
+    throw std::invalid_argument("masses \"redistributed\" and \"paper\" do not fit several bars in line");
+  if (chain_ && (scene.span || inputs_[0].motion || inputs_[1].motion))
+    throw std::invalid_argument("several bars in line do not fit a span obstacle, nor ends and obstacles that move");
   massless_ = {redistributed && is_bare_obstacle(scene.left, scene.left_input),
                redistributed && is_bare_obstacle(scene.right, scene.right_input)};
   if (redistributed && end_obstacles(scene) > 0 && !has_massless())
