@@ -531,7 +531,10 @@ class StepwisePart {
     if (!withheld_ || withheld_->contact != i) return false;
     const Mesh& mesh = system_.bar().mesh();
     const Bar& bar = system_.bar().bar();
-    const double h = mesh.element(system_.contact(i).where == Where::left ? 0 : mesh.elements - 1);
+    const Contact& contact = system_.contact(i);
+    const double h = mesh.element(contact.joint > 0              ? system_.bar().element_at(contact.unknown)
+                                  : contact.where == Where::left ? 0
+                                                                 : mesh.elements - 1);
     return t - withheld_->last < h * std::sqrt(bar.density / bar.modulus);
   }
 
