@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
+// Of a key among scene_keys().
+std::size_t index_of(const SceneKey& key) { return static_cast<std::size_t>(&key - scene_keys().data()); }
+
 // The values of keys that are absent, in the order of scene_keys().
 const TomlValue& fallback_of(const SceneKey& key) {
   static const std::vector<TomlValue> values = [] {
@@ -28,7 +31,7 @@ const TomlValue& fallback_of(const SceneKey& key) {
     for (const SceneKey& one : scene_keys()) all.push_back(one.fallback.empty() ? TomlValue() : value_of(one.fallback));
     return all;
   }();
-  return values[static_cast<std::size_t>(&key - scene_keys().data())];
+  return values[index_of(key)];
 }
 
 // Not by fmt::join, where gcc 12 warns of an overflow that does not happen.
@@ -307,10 +310,11 @@ SceneTable SceneEntries::described_series(std::string_view key) const {
 }
 
 void SceneEntries::fill_in() {
-  std::vector<const TomlValue*> in_force;
-  in_force.reserve(scene_keys().size());
+  std::vector<const TomlValue*> in_force(scene_keys().size(), nullptr);
+  for (const auto& [name, entry] : entries_)
+    if (const SceneKey* key = find_plain_key(name)) in_force[index_of(*key)] = &entry.value;
   for (const SceneKey& key : scene_keys()) {
-    const TomlValue* value = find(key.name);
+    const TomlValue*& value = in_force[index_of(key)];
     if (!value && !faulty(key.name)) {
       if ((key.presence == Presence::required && !(key.table() == "bar" && members("bar") > 0)) ||
           (key.presence == Presence::required_in_table && tables_.contains(key.table())))
@@ -318,7 +322,6 @@ void SceneEntries::fill_in() {
       else if (!key.fallback.empty())
         value = &fallback_of(key);
     }
-    in_force.push_back(value);
   }
   in_force_ = std::move(in_force);
 }
@@ -330,12 +333,10 @@ std::size_t SceneEntries::members(std::string_view table) const {
 }
 
 const TomlValue* SceneEntries::find(std::string_view key) const {
-  if (in_force_.empty() || is_parameter(key) || is_member_key(key)) {
-    const auto entry = entries_.find(key);
-    return entry == entries_.end() ? nullptr : &entry->second.value;
-  }
-  const SceneKey* known = find_scene_key(key);
-  return known ? in_force_[static_cast<std::size_t>(known - scene_keys().data())] : nullptr;
+  if (!in_force_.empty())
+    if (const SceneKey* known = find_plain_key(key)) return in_force_[index_of(*known)];
+  const auto entry = entries_.find(key);
+  return entry == entries_.end() ? nullptr : &entry->second.value;
 }
 
 std::optional<double> SceneEntries::number(std::string_view key) const {

@@ -326,14 +326,7 @@ bool is_scene_table(std::string_view name) {
   return std::ranges::find(tables, name) != std::end(tables) || is_member_table(name);
 }
 
-const SceneKey* find_scene_key(std::string_view name) {
-  if (is_parameter(name)) name = any_parameter;
-  if (is_member_key(name)) {
-    const std::string_view table = name.substr(0, name.find('.')), leaf = name.substr(table_of(name).size() + 1);
-    const auto found = std::ranges::find_if(
-        member_keys(), [&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
-    return found == member_keys().end() ? nullptr : &*found;
-  }
+const SceneKey* find_plain_key(std::string_view name) {
   // A case of a sweep asks 200 times. The last eight characters and the length tell most keys apart.
   static constexpr std::size_t size = 512;
   const auto place = [](std::string_view of) {
@@ -354,6 +347,16 @@ const SceneKey* find_scene_key(std::string_view name) {
   for (std::size_t at = place(name); table[at]; at = (at + 1) % size)
     if (table[at]->name == name) return table[at];
   return nullptr;
+}
+
+const SceneKey* find_scene_key(std::string_view name) {
+  if (const SceneKey* plain = find_plain_key(name)) return plain;
+  if (is_parameter(name)) return find_plain_key(any_parameter);
+  if (!is_member_key(name)) return nullptr;
+  const std::string_view table = name.substr(0, name.find('.')), leaf = name.substr(table_of(name).size() + 1);
+  const auto found = std::ranges::find_if(
+      member_keys(), [&](const SceneKey& key) { return key.table() == table && key.leaf() == leaf; });
+  return found == member_keys().end() ? nullptr : &*found;
 }
 
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf) {

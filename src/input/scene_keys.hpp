@@ -61,6 +61,8 @@ std::string_view table_of(std::string_view name);
 /// all tables [[bar]] the rows of one.
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
+/// The same among scene_keys() alone.
+const SceneKey* find_plain_key(std::string_view name);
 
 /// True if keys stand in a table of that name within another one: "left.contact".
 bool is_inner_table(std::string_view name);
