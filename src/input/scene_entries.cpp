@@ -73,14 +73,16 @@ std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::stri
   return all;
 }
 
+bool is_list_of_tables(const TomlNode& node) {
+  return node.kind == TomlNode::Kind::array && !node.inside.empty() &&
+         std::ranges::all_of(node.inside, [](const TomlNode& one) { return one.kind == TomlNode::Kind::table; });
+}
+
 // Tables [[bar]] and [[joint]] by their numbers, bar.1, bar.2; one [[bar]] alone is a [bar].
 void number_members(TomlNode& root) {
   std::vector<TomlNode> all;
   for (TomlNode& node : root.inside) {
-    const auto is_table = [](const TomlNode& one) { return one.kind == TomlNode::Kind::table; };
-    const bool members = (node.key == "bar" || node.key == "joint") && node.kind == TomlNode::Kind::array &&
-                         !node.inside.empty() && std::ranges::all_of(node.inside, is_table);
-    if (!members) {
+    if (!(node.key == "bar" || node.key == "joint") || !is_list_of_tables(node)) {
       all.push_back(std::move(node));
       continue;
     }
@@ -155,10 +157,15 @@ void SceneEntries::add_text(const std::string& text) {
       if (known == (find_scene_key(table, entry.key) != nullptr)) add(entry, written, table, end_.source);
     };
     for (const TomlNode& node : read.inside)
-      if (!is_table(node))
+      if (is_list_of_tables(node) && !is_scene_table(node.key)) {
+        if (known)
+          report_at({end_.source, node.key_at}, node.key,
+                    "unknown table; those of which there may be several are [[bar]] and [[joint]]");
+      } else if (!is_table(node)) {
         add_if_known(node, "", "");
-      else if (const auto table = meant.find(node.key); table != meant.end())
+      } else if (const auto table = meant.find(node.key); table != meant.end()) {
         for (const TomlNode& entry : flat(node.inside, table->second)) add_if_known(entry, node.key, table->second);
+      }
   }
 }
 

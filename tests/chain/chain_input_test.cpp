@@ -55,6 +55,8 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "leaves a gap of 0.1 to the next bar", {"joint.1.kind=bonded", "joint.1.gap=", "bar.2.displacement=0.1"});
   says("[bar]\nlength = 1.0\n[[joint]]\nkind = \"bonded\"\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n",
        "joint.1.kind: is between two tables [[bar]]");
+  says(pair + "[[joints]]\nkind = \"bonded\"\n",
+       "joints: unknown table; those of which there may be several are [[bar]]");
 }
 
 TEST(ChainInput, OneTableAloneIsABar) {
