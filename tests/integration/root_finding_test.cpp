@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "integration/bernstein.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -138,14 +137,6 @@ TYPED_TEST(RootFinding, AnIndicatorThatReachesZeroAndStaysThereEndsNoRun) {
   EXPECT_TRUE(run.statistics.completed);
   // The error of the velocity moves it on.
   for (std::size_t k = 1; k < 4; ++k) EXPECT_NEAR(run.u[k][0], -0.5, 3 * constant * tolerance) << k;
-}
-
-TEST(RootFindingByBernstein, ANanEndsTheSearchAtOnce) {
-  for (std::size_t place = 0; place < 6; ++place) {
-    std::vector<double> samples(6, 1.0);
-    samples[place] = nan;
-    EXPECT_EQ(Bernstein::through(samples).first_descent(-1e-15), 0.0) << place;
-  }
 }
 
 // The message of the error that the run has to end with.

@@ -16,7 +16,9 @@ class Events {
   }
   static side({ place }) { return place === "left" || place === "right" ? place : "span"; }
   static name({ place }) {
-    return place === "left" || place === "right" ? `${place} end` : `node ${place.split(":")[1]} of the span`;
+    if (place === "left" || place === "right") return `${place} end`;
+    const [where, number] = place.split(":");
+    return where === "joint" ? `joint ${number}` : `node ${number} of the span`;
   }
   static words(event) {
     return `t = ${readable(event.time, 8)}: ${Events.name(event)} ${event.closes ? "closes" : "opens"}, ` +

@@ -34,8 +34,8 @@ class LaneLevels {
   void run();
 
  private:
-  // Of n, 2 n, 3 n, 4 n, 5 n, 6 n, 7 n, 8 n, 10 n, 12 n, ... steps, n a period of the layout each; without a request
-  // there is one level, that of the scene.
+  // Levels have n, 2 n, 3 n, 4 n, 5 n, 6 n, 7 n, 8 n, 10 n, 12 n, ... steps, n a period of the layout; without a
+  // request there is one level, that of the scene.
   static constexpr std::size_t most_level = 40;
 
   struct Waiting {
@@ -67,7 +67,7 @@ class LaneLevels {
   LaneScheme scheme_;
   std::array<std::vector<Waiting>, most_level + 1> waiting_;  // of each level
 
-  // Of the pack that ran last: the values of its bars, and what tells their error.
+  // The values of the bars of the pack that ran last, and what tells their error.
   std::vector<Lanes> values_;
   std::array<std::array<Lanes, BarValues::probes>, 2> ends_{};
   Lanes largest_;
