@@ -84,7 +84,8 @@ class EventSearch {
 
  private:
   // So few contacts are sooner sampled than bounded. More are those of a span obstacle, whose nodes have mass: each has
-  // one entry, its displacement, but for stops at the ends that let go, and for those of joints, which have those of both nodes.
+  // one entry, its displacement, but for stops at the ends that let go, and for those of joints, which have those of
+  // both nodes.
   static constexpr std::size_t few = 4;
 
   // Values of all sampled entries, and their rates where an indicator asks for them.
