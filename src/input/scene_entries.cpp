@@ -199,7 +199,7 @@ void SceneEntries::lay_over(const std::string& name, TomlValue value, TextPositi
     tables_.try_emplace(table, place);
   }
   TomlNode entry;
-  entry.key = table.empty() ? name : name.substr(table.size() + 1);
+  entry.key = name.substr(table.size() + (name.size() > table.size() && name[table.size()] == '.' ? 1 : 0));
   entry.value = std::move(value);
   entry.key_at = key_at;
   entry.value_at = value_at;

@@ -161,8 +161,8 @@ struct SpanAccount {
 
 /// A contact at a joint of a chain.
 struct JointAccount {
-  std::size_t closings = 0;
-  TimeInContact contact;
+  std::size_t closings = 0;    ///< how often it closed
+  TimeInContact contact;       ///< how long it was closed
   double impulse = 0.0;        ///< int N dt
   double peak_reaction = 0.0;  ///< max N
 };

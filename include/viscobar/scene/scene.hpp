@@ -161,11 +161,11 @@ std::string_view meaning(JointKind kind);  ///< in half a sentence
 ///
 ///     contact  0 <= u_b - u_a + gap  _|_  N >= 0      spring  N = k (u_a - u_b) + c (u_a' - u_b')
 struct Joint {
-  JointKind kind = JointKind::bonded;
-  double gap = 0.0;            ///< of a contact, >= 0, where nothing is displaced
-  std::optional<Stop> stop{};  ///< the law of a contact; absent: as of an obstacle
-  double stiffness = 0.0;      ///< k >= 0 of a spring
-  double damping = 0.0;        ///< c >= 0 of a spring
+  JointKind kind = JointKind::bonded;  ///< decides which of the others count
+  double gap = 0.0;                    ///< of a contact, >= 0, where nothing is displaced
+  std::optional<Stop> stop{};          ///< the law of a contact; absent: as of an obstacle
+  double stiffness = 0.0;              ///< k >= 0 of a spring
+  double damping = 0.0;                ///< c >= 0 of a spring
 };
 
 /// A member of a chain: a bar, or a rigid body, which has a mass and no length. Its functions are of x from its own
