@@ -38,7 +38,8 @@ class Interrupts : public testing::Test {
       std::ofstream(scratch / file) << falling_bar_with(changes);
     };
     write("fine.toml", {{"mesh.elements", "100000"}, {"time.end", "40"}, {"output.every", "1"}});
-    write("elastic.toml", {{"bar.viscosity", "0"}, {"mesh.elements", "100000"}, {"time.end", "1000"}});
+    write("elastic.toml",
+          {{"bar.viscosity", "0"}, {"mesh.elements", "100000"}, {"time.end", "1e6"}, {"load.density", "-1.0"}});
     write("long.toml", {{"time.end", "1e6"}, {"output.every", "1e3"}, {"load.density", "\"-sin(t)\""}});
     write("stiff.toml", {{"bar.viscosity", "0"},
                          {"mesh.elements", "2"},
