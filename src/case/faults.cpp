@@ -257,12 +257,13 @@ void check_chain(const Setup& setup, Findings& findings) {
           "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "
           "out",
           name(joint.stop->law), name(method));
-    if (method != MethodName::rigid) continue;
-    refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
+    if (method != MethodName::rigid && method != MethodName::arkode) continue;
+    if (method == MethodName::rigid)
+      refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
     if (scene.chain[k].rigid() && scene.chain[k + 1].rigid())
       findings.report(joint_key(k + 1, "kind"),
-                      "is between two rigid bodies, which rigid does not take yet; use arkode or "
-                      "cvode with a contact.epsilon");
+                      "is between two rigid bodies, which {} does not take yet; use cvode with a contact.epsilon",
+                      name(method));
   }
   check_members(run, findings);
 }

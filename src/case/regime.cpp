@@ -164,21 +164,25 @@ struct Sight {
 Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop) {
   const Setup trial = resolve(std::move(run));
   const Scene& scene = trial.run.scene;
-  const std::size_t places = end_obstacles(scene) + std::size_t{scene.span.has_value()};
+  const auto joints = std::ranges::count(scene.chain, JointKind::contact, [](const Member& m) { return m.joint.kind; });
+  const std::size_t places =
+      end_obstacles(scene) + std::size_t{scene.span.has_value()} + static_cast<std::size_t>(joints);
   Sight sight;
   Foresight& found = sight.found;
   auto& impacts = found.impacts;
-  const auto known = [&](Where where) { return std::ranges::find(impacts, where, &FirstImpact::where); };
+  const auto known = [&](Where where, std::size_t joint) {
+    return std::ranges::find_if(impacts, [=](const FirstImpact& i) { return i.where == where && i.joint == joint; });
+  };
   const BarSystem system = trial.system();
   // A node that lies on its obstacle and moves into it hits at once.
   const State start = system.initial_state();
   for (const Contact& contact : system.contacts()) {
-    const double u = start.u[contact.unknown], v = contact.sign * start.v[contact.unknown];
+    const double u = contact.of(start.u), v = contact.sign * contact.of(start.v);
     if (v >= 0.0 || contact.clearance(u) > 1e-12 * std::abs(u)) continue;
-    if (const auto before = known(contact.where); before != impacts.end())
+    if (const auto before = known(contact.where, contact.joint); before != impacts.end())
       before->speed = std::max(before->speed, -v);
     else
-      impacts.push_back({contact.where, 0.0, -v});
+      impacts.push_back({contact.where, contact.joint, 0.0, -v});
   }
   ChatterWatch watch(system);
   if (is_penalised(trial.run.method)) found.chatters = false;
@@ -187,15 +191,17 @@ Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop
   Observers observers;
   observers.event = [&](const Event& event) {
     if (found.chatters && watch.heard(event)) found.chatters = true;
-    if (event.change != Change::closing || event.where == Where::joint || known(event.where) != impacts.end()) return;
+    const std::size_t joint = event.where == Where::joint ? event.node : 0;
+    if (event.change != Change::closing || known(event.where, joint) != impacts.end()) return;
     const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
-    const bool moves = event.where != Where::span && input.motion;
+    const bool moves = joint == 0 && event.where != Where::span && input.motion;
     const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
-    impacts.push_back({event.where, event.time, std::abs(event.velocity - obstacle)});
+    impacts.push_back({event.where, joint, event.time, std::abs(event.velocity - obstacle)});
   };
   observers.progress = [&](double time) {
     const bool met = impacts.size() == places;
-    const bool heard = found.chatters.value_or(true) || (met && time > impacts.back().time + way_and_back);
+    const bool heard =
+        found.chatters.value_or(true) || (met && !impacts.empty() && time > impacts.back().time + way_and_back);
     return (met && heard) || ++steps > most_steps || (stop && stop()) ? RunControl::stop : RunControl::go_on;
   };
   try {
@@ -233,12 +239,14 @@ std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>
   trial.step = 2.0 * step;
   const Sight coarse = foreseen_by(trial, 1e300, stop);
   if (!fine.complete) return std::nullopt;
-  const auto of = [](const Sight& sight, Where where) {
-    return std::ranges::find(sight.found.impacts, where, &FirstImpact::where);
+  const auto of = [](const Sight& sight, const FirstImpact& one) {
+    return std::ranges::find_if(sight.found.impacts, [&](const FirstImpact& other) {
+      return other.where == one.where && other.joint == one.joint;
+    });
   };
   for (FirstImpact impact : fine.found.impacts) {
-    if (of(own, impact.where) != own.found.impacts.end()) continue;
-    const auto other = of(coarse, impact.where);
+    if (of(own, impact) != own.found.impacts.end()) continue;
+    const auto other = of(coarse, impact);
     const bool both = other != coarse.found.impacts.end();
     // A scheme has contact changes at the ends of its steps, and begins half a step late.
     impact.time_error = both ? std::max(2.0 * step, std::abs(other->time - impact.time)) : impact.time;

@@ -86,6 +86,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
 /// The first contact at a place of the bar, before which no penalty has acted there.
 struct FirstImpact {
   Where where = Where::left;  ///< of the obstacle
+  std::size_t joint = 0;      ///< its number, from 1, where that is a joint
   double time = 0.0;          ///< of the closing
   double speed = 0.0;         ///< towards the obstacle
   double time_error = 0.0;    ///< at most; 0 where the run's own method found it

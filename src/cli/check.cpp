@@ -38,7 +38,8 @@ std::string impact_text(const Case& run, const std::optional<Foresight>& foresee
   std::string text;
   for (const FirstImpact& impact : foreseen->impacts)
     text +=
-        fmt::format("{}{} at t = {}, speed {}", text.empty() ? "" : "; ", name(impact.where),
+        fmt::format("{}{}{} at t = {}, speed {}", text.empty() ? "" : "; ", name(impact.where),
+                    impact.joint > 0 ? fmt::format(" {}", impact.joint) : "",
                     with_digits(impact.time, impact.time_error, 4), with_digits(impact.speed, impact.speed_error, 3));
   return text;
 }

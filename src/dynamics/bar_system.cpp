@@ -504,7 +504,7 @@ std::vector<double> graded(const NextBreak& detail, double length) {
 }  // namespace
 
 // None where nothing is known; and what is smooth has none but on `fourth_order`, unless its detail is finer than a
-// quarter of an element.
+// quarter of an element. Bonded members of unlike velocities have one by their momentum.
 std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places,
                                           bool velocity) const {
   std::vector<double> moments;
@@ -512,6 +512,10 @@ std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunc
   const double length = mesh_.length;
   const std::vector<double> detail = graded(places.detail, length);
   bool needed = mass_ == Mass::fourth_order || places.breaks(0.0, length);
+  for (std::size_t p = 1; p < pieces_->size() && velocity; ++p) {
+    const Piece &left = (*pieces_)[p - 1], &right = (*pieces_)[p];
+    needed |= left.last() == right.first && left.velocity(left.mesh.length) != right.velocity(0.0);  // bonded
+  }
   for (std::size_t k = 1; k < detail.size() && !needed; ++k) needed = detail[k] - detail[k - 1] < mesh_.spacing() / 4.0;
   if (!needed) return moments;
   const auto next_detail = [&](double after, double until) -> std::optional<double> {
@@ -581,6 +585,12 @@ std::vector<double> BarSystem::effective_masses() const {
 
 double BarSystem::contact_mass(const Contact& contact) const {
   const std::size_t i = contact.unknown;
+  if (contact.joint > 0) {  // of two nodes that a force pushes apart
+    std::vector<double> gained(size());
+    gained[i] = 1.0, gained[i - 1] = -1.0;
+    accelerate(gained);
+    return 1.0 / (gained[i] - gained[i - 1]);
+  }
   if (contact.where != Where::span) return effective_masses()[i];
   double sum = inertia_.diagonal[i];
   if (i > 0 && !inertia_.off_diagonal.empty()) sum += inertia_.off_diagonal[i - 1];

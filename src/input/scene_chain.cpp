@@ -131,6 +131,7 @@ std::vector<std::size_t> elements_of(const SceneEntries& entries, const std::vec
 
 void check_chain(SceneEntries& entries) {
   const std::size_t count = entries.members("bar"), joints = entries.members("joint");
+  entries.report_members_apart();
   if (count == 0) {
     for (std::size_t k = 1; k <= joints; ++k)
       entries.report(key_of("joint", k, "kind"), "is between two tables [[bar]], and there is one bar");

@@ -339,6 +339,18 @@ std::size_t SceneEntries::members(std::string_view table) const {
   return count;
 }
 
+void SceneEntries::report_members_apart() {
+  for (const auto& [name, place] : tables_) {
+    if (!is_member_table(name)) continue;
+    const std::string_view table = std::string_view(name).substr(0, name.find('.'));
+    const std::size_t count = members(table);
+    if (std::stoul(name.substr(table.size() + 1)) > count)
+      report_at(
+          place, name,
+          fmt::format("there {} {} table{} [[{}]]", count == 1 ? "is" : "are", count, count == 1 ? "" : "s", table));
+  }
+}
+
 const TomlValue* SceneEntries::find(std::string_view key) const {
   if (!in_force_.empty())
     if (const SceneKey* known = find_plain_key(key)) return in_force_[index_of(*known)];

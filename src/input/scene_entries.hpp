@@ -39,6 +39,8 @@ class SceneEntries {
   bool has_table(std::string_view table) const { return tables_.contains(table); }
   /// How many tables [[bar]] of several, or [[joint]], there are; 0 for one bar.
   std::size_t members(std::string_view table) const;
+  /// Reports tables of members whose numbers go on behind a gap, as a key that is set may.
+  void report_members_apart();
   bool present(std::string_view key) const { return find(key) != nullptr; }
   /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }

@@ -40,7 +40,8 @@ class LegStepper {
   virtual void changes_at(std::span<const double> /*y*/) {}
   /// The whole state at a time within the last step.
   virtual void interpolate(double t, std::span<double> y) = 0;
-  /// The same of u and w at the two ends and, where these have no mass, at their neighbours; the rest may be left.
+  /// The same of u and w at the two ends and, where these have no mass, at their neighbours, and at all other nodes of
+  /// contacts; the rest may be left.
   virtual void interpolate_ends(double t, std::span<double> y) { interpolate(t, y); }
   /// Energies of the account at the end of the last step, as the layout has them.
   virtual std::span<const double> account() const = 0;

@@ -42,6 +42,7 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
         "s:17:8: joint.3.kind: is the joint behind bar 3"})
     EXPECT_NE(wrong.find(words), std::string::npos) << words << "\n" << wrong;
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
+  says(pair, "bar.5: there are 2 tables [[bar]]", {"bar.5.modulus=4"});
   says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});

@@ -299,5 +299,51 @@ TEST(ContactJoint, ACradlePassesTheVelocityOn) {
   for (const JointAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 0.03);
 }
 
+// Bars without strain close the gap at gap / (v_a - v_b), however long the steps are.
+TEST(ContactJoint, IsClosedWithinALongStep) {
+  const Recording found = record(
+      parse_scene("[[bar]]\nlength = 1.0\nelements = 11\nvelocity = 0.3924\n[[bar]]\nlength = 0.5\nelements = 7\n"
+                  "velocity = 0.362\nviscosity = 0.02\n[[joint]]\nkind = \"contact\"\ngap = 0.0257\n[initial]\n"
+                  "velocity = 0.0\n[time]\nend = 2.3\n[method]\nname = \"rigid\"\n",
+                  "")
+          .run);
+  ASSERT_GE(found.events.size(), 1U);
+  EXPECT_NEAR(found.events[0].time, 0.0257 / (0.3924 - 0.362), 1e-9);
+}
+
+// Two rigid bodies part with e times the speed at which they met, whatever their masses.
+TEST(ContactJoint, OfRigidBodiesHasItsRestitution) {
+  for (const auto& [left, right] : {std::pair{1.0, 1.0}, {1.0, 10.0}, {10.0, 1.0}})
+    for (const char* method : {"cvode", "ida", "odeint", "exponential"}) {
+      const Recording found = record(
+          parse_scene(fmt::format("[[bar]]\nmass = {}\nvelocity = 1.0\n[[bar]]\nmass = {}\n[[bar]]\nlength = 1.0\n"
+                                  "[[joint]]\nkind = \"contact\"\ngap = 0.1\n[[joint]]\nkind = \"contact\"\n"
+                                  "gap = 10.0\n[initial]\nvelocity = 0.0\n[time]\nend = 0.6\n[mesh]\nelements = 4\n"
+                                  "[contact]\nepsilon = 1e-6\nrestitution = 0.5\n[method]\nname = \"{}\"\n",
+                                  left, right, method),
+                      "")
+              .run);
+      ASSERT_EQ(found.events.size(), 2U) << method;
+      EXPECT_NEAR(found.events[1].velocity, 0.5, 1e-5) << method << left << right;
+    }
+}
+
+// A body at either end of a bar at rest brings its whole momentum.
+TEST(Bonded, ARigidBodyKeepsItsMomentum) {
+  for (const char* mass : {"consistent", "lumped", "fourth_order"})
+    for (const bool right : {false, true}) {
+      const std::string bar = "[[bar]]\nlength = 1.0\nelements = 20\n", body = "[[bar]]\nmass = 1.0\nvelocity = 1.0\n";
+      const auto setup = setup_of((right ? bar + body : body + bar) +
+                                  "[initial]\nvelocity = 0.0\n[time]\nend = 1.0\n[mesh]\nmass = \"" + mass + "\"\n");
+      const BarSystem system = setup.system();
+      const std::vector<double> v = system.initial_state().v;
+      std::vector<double> momentum(v.size());
+      system.inertia().multiply(v, momentum);
+      double sum = 0.0;
+      for (const double part : momentum) sum += part;
+      EXPECT_NEAR(sum, 1.0, 1e-12) << mass << right;
+    }
+}
+
 }  // namespace
 }  // namespace viscobar

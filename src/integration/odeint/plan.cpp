@@ -53,7 +53,7 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     const PenaltyLaw law =
         stop ? (stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{})
              : penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
-    double mass = masses[contact.unknown];
+    double mass = contact.joint > 0 ? system.contact_mass(contact) : masses[contact.unknown];
     if (mass == 0.0) {
       if (bar.viscosity > 0.0)
         decay = std::max(decay, (bar.modulus + law.stiffness * system.stretch_at(contact.unknown)) / bar.viscosity);

@@ -44,6 +44,8 @@ class Stepper final : public LegStepper {
         inner_(layout_.account() > 0 ? layout_.size : 0) {
     if (system_.load_varies()) load_change_.resize(layout_.nodes), load_tail_.resize(layout_.nodes);
     if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
+    inner_contacts_ =
+        std::ranges::any_of(system_.bar().contacts(), [](const Contact& contact) { return !contact.at_end(); });
   }
 
   void begin_run(std::vector<std::size_t> sampled_entries) override {
@@ -108,7 +110,7 @@ class Stepper final : public LegStepper {
 
   void interpolate_ends(double t, std::span<double> y) override {
     if (t == end_t_ || t == begin_t_ || layout_.derivatives > 0) return interpolate(t, y);
-    motion_at(t, y, Nodes::ends);
+    motion_at(t, y, inner_contacts_ ? Nodes::all : Nodes::ends);
   }
 
   std::span<const double> sample(double t, int derivative) override {
@@ -363,7 +365,7 @@ class Stepper final : public LegStepper {
   std::optional<double> factorised_;    // length that they are factorised for
   double longest_, step_;               // the length to be tried next
   // A leg that begins with an impact, or with initial data, begins with fast waves: its first step is short.
-  bool stirred_ = false;
+  bool stirred_ = false, inner_contacts_ = false;
   std::size_t closed_ = 0;
   double stirred_step_ = std::numeric_limits<double>::infinity();
   double last_length_ = 0.0, last_error_ = 1.0;                // of the last step of the leg
