@@ -10,6 +10,7 @@
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "dynamics/pieces.hpp"
 #include "integration/exponential/refusal.hpp"
 #include "run/parts.hpp"
 #include "scene/end_kinds.hpp"
@@ -257,13 +258,15 @@ void check_chain(const Setup& setup, Findings& findings) {
           "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "
           "out",
           name(joint.stop->law), name(method));
-    if (method != MethodName::rigid && method != MethodName::arkode) continue;
-    if (method == MethodName::rigid)
-      refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
-    if (scene.chain[k].rigid() && scene.chain[k + 1].rigid())
+    if (method != MethodName::fully_discrete && !touches_bar(scene.chain, k))
       findings.report(joint_key(k + 1, "kind"),
-                      "is between two rigid bodies, which {} does not take yet; use cvode with a contact.epsilon",
+                      "is between two rigid bodies without a bar, which {} does not take yet; use fully_discrete",
                       name(method));
+    if (method != MethodName::rigid) continue;
+    refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
+    if (scene.chain[k].rigid() && scene.chain[k + 1].rigid() && touches_bar(scene.chain, k))
+      findings.report(joint_key(k + 1, "kind"),
+                      "is between two rigid bodies, which rigid does not take yet; use cvode with a contact.epsilon");
   }
   check_members(run, findings);
 }

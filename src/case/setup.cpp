@@ -144,11 +144,11 @@ double natural_epsilon(const Scene& scene) {
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
-  bool bodies_meet = false;  // rigid ones, which rigid and arkode do not take
-  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
-    bodies_meet |=
-        scene.chain[k].rigid() && scene.chain[k + 1].rigid() && scene.chain[k].joint.kind == JointKind::contact;
-  if (bodies_meet) return {MethodName::cvode, ""};
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k) {
+    const bool contact = scene.chain[k].joint.kind == JointKind::contact;
+    if (contact && !touches_bar(scene.chain, k)) return {MethodName::fully_discrete, ""};
+    if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) return {MethodName::cvode, ""};
+  }
   if (run.epsilon || has_stops(scene)) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};

@@ -29,6 +29,13 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   return pieces;
 }
 
+bool touches_bar(const std::vector<Member>& chain, std::size_t k) {
+  std::size_t left = k, right = k + 1;
+  while (chain[left].rigid() && left > 0 && chain[left - 1].joint.kind == JointKind::bonded) --left;
+  while (chain[right].rigid() && right + 1 < chain.size() && chain[right].joint.kind == JointKind::bonded) ++right;
+  return !chain[left].rigid() || !chain[right].rigid();
+}
+
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh) {
   std::vector<Bar> bars;
   if (scene.chain.empty()) return bars;

@@ -34,6 +34,10 @@ struct Piece {
 /// @throws std::invalid_argument where the mesh is not that of the chain
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh);
 
+/// True if a bar has a node at the joint behind member k: that member or the next, or a bar bonded to one of them,
+/// whose row tells the force of the joint.
+bool touches_bar(const std::vector<Member>& chain, std::size_t k);
+
 /// The material of each element of a chain, nothing's at joints; empty for a bar alone, whose elements are all alike.
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh);
 
