@@ -184,20 +184,20 @@ TEST(ContactJoint, PenalisedMethodsComeNear) {
   }
 }
 
-// By (2.8) to the step.
+// By (2.8) the opening is right to two steps, and the impulse to a step.
 TEST(ContactJoint, TheSchemeComesNear) {
   std::vector<double> errors;
-  for (const char* step : {"4e-3", "2e-3", "1e-3"}) {
+  for (const double step : {4e-3, 2e-3, 1e-3}) {
     const Recording found = record(parse_scene(pair_text(0.1, 40, "fully_discrete"), "",
                                                std::vector<std::string>{fmt::format("method.step={}", step)})
                                        .run);
     ASSERT_GE(found.events.size(), 2U) << step;
     errors.push_back(found.statistics.account->joints.at(0).impulse - pair_truths[1].impulse);
-    EXPECT_NEAR(found.events.back().time, pair_truths[1].end, 0.05) << step;
+    EXPECT_NEAR(found.events.back().time, pair_truths[1].end, 2.0 * step) << step;
+    EXPECT_LT(std::abs(errors.back()), step);
     EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-10) << step;
   }
-  EXPECT_LT(std::abs(errors[2]), 0.01) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
-  EXPECT_LT(std::abs(errors[2]), 0.7 * std::abs(errors[1]));
+  EXPECT_LT(std::abs(errors[2]), 0.7 * std::abs(errors[1])) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
 }
 
 // Elastic bars of equal length, all free: the first one stops, the second has its velocity, after 2 L / c. On a mesh to
@@ -210,9 +210,10 @@ TEST(ContactJoint, EqualElasticBarsExchangeTheirVelocities) {
           "")
           .run);
   ASSERT_GE(found.events.size(), 2U);
+  constexpr double h = 0.01;
   EXPECT_NEAR(found.events.front().time, 0.05, 1e-6);
-  EXPECT_NEAR(found.events.back().time, 2.05, 0.03);
-  EXPECT_NEAR(found.statistics.account->joints.at(0).impulse, 1.0, 0.01);
+  EXPECT_NEAR(found.events.back().time, 2.05, 3.0 * h);
+  EXPECT_NEAR(found.statistics.account->joints.at(0).impulse, 1.0, h);
 }
 
 // A ram of mass M at speed V on a rod without end, the dashpot Z at its far end: N = Z V exp(-Z t / M).
@@ -294,9 +295,10 @@ TEST(ContactJoint, ACradlePassesTheVelocityOn) {
   const auto v = found.velocity(found.times.size() - 1);
   double first = 0.0, last = 0.0;
   for (std::size_t j = 0; j <= 50; ++j) first += v[j] / 51.0, last += v[v.size() - 1 - j] / 51.0;
-  EXPECT_NEAR(first, 0.0, 0.02);
-  EXPECT_NEAR(last, 1.0, 0.03);
-  for (const JointAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 0.03);
+  constexpr double h = 0.02;  // elastic bars are right to some of it
+  EXPECT_NEAR(first, 0.0, h);
+  EXPECT_NEAR(last, 1.0, 1.5 * h);
+  for (const JointAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 1.5 * h);
 }
 
 // Bars without strain close the gap at gap / (v_a - v_b), however long the steps are.
