@@ -25,6 +25,9 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
   for (const Contact& contact : bar.contacts()) {
     if (rigid_ && contact.where == Where::span)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
+    if (const std::size_t right = contact.unknown + bar.first_node();
+        contact.joint > 0 && !bar.is_element_of_bar(right) && (right < 2 || !bar.is_element_of_bar(right - 2)))
+      throw std::invalid_argument("a contact between two rigid bodies without a bar has no row that tells its force");
     if (rigid_ && size() < 2)
       throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
     if (const auto& stop = bar.stop(contact)) {
