@@ -93,7 +93,7 @@ class PenalisedSystem {
   ///                                         (h/E) times minus its reaction R, s (u_1 + (eta/E) w_1 + (h/E) (M f)_i -
   ///                                         (h/E) (rho M a)_i) + gap
   ///     a closed contact that holds two nodes of a joint
-  ///                                         (h/E) times minus N, by the row of that of them which is a bar's
+  ///                                         (h/E) times minus N, which the row of the bar's node tells
   ///     an undamped massless node           the same in either state, its clearance while it is open: its own
   ///                                         displacement shrinks by 1 + k h/E as it closes, this one passes smoothly
   std::vector<std::size_t> indicator_entries(std::size_t i) const;

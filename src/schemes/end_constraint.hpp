@@ -8,15 +8,14 @@
 
 namespace viscobar {
 
-/// min 1/2 x.A x - b.x  subject to  s_X x_X >= bound_X  at a few entries X of x, or at a joint x_X - x_{X-1} >=
-/// bound_X,
+/// min 1/2 x.A x - b.x  subject to  c_X.x >= bound_X  at a few entries X of x:
 ///
-///     A x = b + sum_X lambda_X s_X e_X,    0 <= s_X x_X - bound_X  _|_  lambda_X >= 0,
+///     A x = b + sum_X lambda_X c_X,    0 <= c_X.x - bound_X  _|_  lambda_X >= 0.
 ///
-/// s_X = 1 or -1, at a joint e_X - e_{X-1} in place of s_X e_X. Two at most are solved in closed form, more by
-/// principal pivoting [Murty 1974]. The columns A^{-1} s_X e_X are computed once. Their rows X are positive definite,
-/// or for a mass with end rows have positive diagonal and determinant, so exactly one of the two or four contact states
-/// fits.
+/// c_X is e_X where x is bounded from below and -e_X where it is from above; at a joint it is e_X - e_{X-1}. Two at
+/// most are solved in closed form, more by principal pivoting [Murty 1974]. The columns A^{-1} c_X are computed once.
+/// Their rows X are positive definite, or for a mass with end rows have positive diagonal and determinant, so exactly
+/// one of the two or four contact states fits.
 class EndConstraint {
  public:
   /// An entry and its sign.

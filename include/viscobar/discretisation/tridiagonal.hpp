@@ -122,11 +122,11 @@ void row_values(std::size_t n, auto&& at, std::span<double> values) {
   }
 }
 
-/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. With one-sided rows A
-/// = L D U without pivoting or fill: L has one entry more, (r, r - 2), for a row r that goes to the left, U one, (r, r
-/// + 2), for one that goes to the right, and beside those L = U^T but for one or two entries a row. With a skew part
-/// neither L is the transpose of U. Of two rows that are tied the first has an infinite pivot, and hands the second
-/// what is left of it: L(r + 1, r) = U(r, r + 1) = -1.
+/// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. One-sided rows make
+/// it A = L D U, without pivoting or fill. A row r to the left gives L the entry (r, r - 2), one to the right gives U
+/// the entry (r, r + 2); at the rows beside them L is not the transpose of U. With a skew part it nowhere is. Of two
+/// rows that are tied the first has an infinite pivot. It hands the second what is left of it: L(r + 1, r) = U(r, r +
+/// 1) = -1.
 class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;

@@ -156,8 +156,8 @@ inline constexpr JointKind all_joints[] = {JointKind::bonded, JointKind::contact
 std::string_view name(JointKind kind);     ///< in a scene file
 std::string_view meaning(JointKind kind);  ///< in half a sentence
 
-/// Between a member of a chain and the next. With u_a to its left, u_b to its right and the force N that pushes the two
-/// apart,
+/// The joint between a member of a chain and the next. u_a is the displacement to its left, u_b that to its right, and
+/// the force N pushes the two apart:
 ///
 ///     contact  0 <= u_b - u_a + gap  _|_  N >= 0      spring  N = k (u_a - u_b) + c (u_a' - u_b')
 struct Joint {
