@@ -182,14 +182,16 @@ Case case_of(SceneEntries& entries) {
 void check_end(SceneEntries& entries, const std::string& side) {
   const auto word = entries.text(side + ".kind");
   if (!word) return;
-  for (const EndKind& kind : end_kinds)
+  for (const EndKind& kind : end_kinds) {
+    if (kind.name != *word) continue;
     for (const EndNumber& number : kind.numbers)
-      if (const std::string key = fmt::format("{}.{}", side, number.key);
-          *word == kind.name && !entries.present(key) && !entries.faulty(key))
+      if (const std::string key = fmt::format("{}.{}", side, number.key); !entries.present(key) && !entries.faulty(key))
         entries.report(key, "is missing: {} has a {}, {}", kind.in_words, number.key, number.meaning);
+  }
   for (const SceneKey& key : scene_keys()) {
+    if (!key.name.starts_with(side) || key.table() != side) continue;  // this is asked for each case of a sweep
     const std::string_view leaf = key.leaf();
-    if (key.table() != side || leaf == "kind" || !entries.sound(key.name) || belongs_to_end(*word, leaf)) continue;
+    if (leaf == "kind" || !entries.sound(key.name) || belongs_to_end(*word, leaf)) continue;
     const char* owner = belongs_to_end("free", leaf)       ? "a free end or an obstacle"
                         : belongs_to_end("obstacle", leaf) ? "an obstacle"
                                                            : "a fixed end";
@@ -387,7 +389,7 @@ std::string all_texts(const std::vector<Diagnostic>& found) {
   return all;
 }
 
-SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
+SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Told told) {
   SceneFile scene;
   if (entries.readable()) {
     check_end(entries, "left");
@@ -400,7 +402,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt) {
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);
     scene.accuracy = accuracy_of(entries, setup);
-    if (entries.sound()) {
+    if (entries.sound() && told == Told::values) {
       scene.values = describe(entries, setup.run);
       scene.chosen = choose(entries, setup);
     }
@@ -420,9 +422,9 @@ SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
-                           const Adaptation& adapt) {
+                           const Adaptation& adapt, Told told) {
   SceneEntries entries(text, source, settings);
-  return checked_scene(entries, adapt);
+  return checked_scene(entries, adapt, told);
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,

@@ -59,8 +59,9 @@ void check_end(std::vector<Finding>& findings, const std::string& table, const S
   const std::size_t before = findings.size();
   for (const EndNumber& number : end_kind(end).numbers) {
     const double value = number.of(end);
-    require(findings, value >= number.low && value <= number.high, fmt::format("{}.{}", table, number.key),
-            "must be finite and {}, is {}", number.range, value);
+    if (!(value >= number.low && value <= number.high))
+      findings.push_back(
+          {fmt::format("{}.{}", table, number.key), fmt::format("must be finite and {}, is {}", number.range, value)});
   }
   if (findings.size() != before) return;
   const double u = scene.displacement ? scene.displacement(x) : 0.0;

@@ -191,10 +191,11 @@ class SweepReader {
 double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
-  Case run = parse_scene_with(scene_text, source, one.settings, [&](Case& read) {
-               elements = read.elements;
-               read.elements = std::min(read.elements, coarse);
-             }).run;
+  const auto coarsen = [&](Case& read) {
+    elements = read.elements;
+    read.elements = std::min(read.elements, coarse);
+  };
+  Case run = parse_scene_with(scene_text, source, one.settings, coarsen, Told::nothing).run;
   run.elements = elements;
   return estimated_seconds(resolve(std::move(run)));
 }
