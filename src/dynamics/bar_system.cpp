@@ -23,7 +23,7 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
   if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
   if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
   const bool with_first = first == 0, with_last = first + count == matrix.size();
-  if (matrix.one_sided.empty() || !(with_first || with_last)) return part;
+  if (matrix.one_sided.empty() || (!(with_first || with_last) && matrix.one_sided_at_ends())) return part;
   if (!with_first) part.one_sided.push_back({});
   for (OneSidedRow row : matrix.one_sided) {
     if (row.row < first || row.row >= first + count) continue;

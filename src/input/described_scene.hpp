@@ -12,11 +12,11 @@
 namespace viscobar {
 
 /// A case of a sweep is run and not told: SceneFile::values and SceneFile::chosen stay empty.
-enum class Told { values, nothing };
+enum class Telling { values, nothing };
 
 /// parse_scene() with typed settings. @throws SceneError
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
-                           const Adaptation& adapt = {}, Told told = Told::values);
+                           const Adaptation& adapt = {}, Telling telling = Telling::values);
 
 /// The value of a key; null where it has none.
 const SceneValue* value_of(const SceneValues& values, std::string_view key);

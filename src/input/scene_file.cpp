@@ -389,7 +389,7 @@ std::string all_texts(const std::vector<Diagnostic>& found) {
   return all;
 }
 
-SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Told told) {
+SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Telling telling) {
   SceneFile scene;
   if (entries.readable()) {
     check_end(entries, "left");
@@ -402,7 +402,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Told tol
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);
     scene.accuracy = accuracy_of(entries, setup);
-    if (entries.sound() && told == Told::values) {
+    if (entries.sound() && telling == Telling::values) {
       scene.values = describe(entries, setup.run);
       scene.chosen = choose(entries, setup);
     }
@@ -422,9 +422,9 @@ SceneError::SceneError(std::vector<Diagnostic> found)
     : std::runtime_error(all_texts(found)), diagnostics(std::move(found)) {}
 
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
-                           const Adaptation& adapt, Told told) {
+                           const Adaptation& adapt, Telling telling) {
   SceneEntries entries(text, source, settings);
-  return checked_scene(entries, adapt, told);
+  return checked_scene(entries, adapt, telling);
 }
 
 SceneFile parse_scene(const std::string& text, const std::string& source, std::span<const std::string> overrides,

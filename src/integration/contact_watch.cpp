@@ -123,9 +123,15 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
   }
 }
 
-void JointForces::strike(std::size_t contact, double impulse) {
-  for (Joint& joint : joints_)
-    if (joint.contact == contact) joint.account->impulse += impulse;
+void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
+  for (Joint& joint : joints_) {
+    const auto& row = joint.row;
+    if (joint.contact == contact)
+      joint.account->impulse += impulse;
+    else if (system_.closed(joint.contact) && system_.collides(joint.contact))
+      joint.account->impulse += row.sign * (row.inertia[0] * change[row.node] + row.inertia[1] * change[row.next] +
+                                            row.inertia[2] * change[row.beyond]);
+  }
 }
 
 void JointForces::add(double length, std::size_t order, bool extremes) {
@@ -326,10 +332,14 @@ bool ContactWatch::resolved() const {
   });
 }
 
-void ContactWatch::strike(std::size_t i, double impulse) {
-  for (End& end : ends_)
-    if (end.unknown == system_.contact(i).unknown && system_.contact(i).joint == 0) end.account->impulse += impulse;
-  joints_.strike(i, impulse);
+void ContactWatch::strike(std::size_t i, double impulse, std::span<const double> change) {
+  for (End& end : ends_) {
+    if (std::ranges::find(end.contacts, i) != end.contacts.end())
+      end.account->impulse += impulse;
+    else if (holds_mass(end))
+      end.account->impulse += gained(end, change);
+  }
+  joints_.strike(i, impulse, change);
 }
 
 void ContactWatch::add() {

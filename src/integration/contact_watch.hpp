@@ -72,7 +72,7 @@ class JointForces {
   bool closed() const;
   /// Sample j of a step, by the entries of all.
   void look_at(std::size_t j, double t, std::span<const double> y);
-  void strike(std::size_t contact, double impulse);
+  void strike(std::size_t contact, double impulse, std::span<const double> change);
   /// Adds a step of that length.
   void add(double length, std::size_t order, bool extremes);
 
@@ -180,17 +180,13 @@ class ContactWatch {
   void enter_frame(std::span<const double> u, std::span<const double> w);
   /// The velocities of a frame that moves have changed at once by that: no force has done it.
   void pass_kink(std::span<const double> change) {
-    for (End& end : ends_) {
-      if (end.direct || end.contacts.empty()) continue;
-      std::array<double, 6> values{};
-      for (std::size_t k = 2; k < std::min<std::size_t>(5, end.entries.size()); ++k)
-        values[k] = change[end.entries[k] - change.size()];
-      end.stored += momentum(end, values);
-    }
+    for (End& end : ends_)
+      if (!end.direct && !end.contacts.empty()) end.stored += gained(end, change);
   }
 
-  /// Adds the impulse of an impact of contact i.
-  void strike(std::size_t i, double impulse);
+  /// Adds the impulse of an impact of contact i, and what closed contacts elsewhere have of it: those of a rigid body,
+  /// or of a node whose row of rho M reaches that of contact i. The velocities have changed by `change`.
+  void strike(std::size_t i, double impulse, std::span<const double> change);
 
   /// Adds the step that it has looked at.
   void add();
@@ -236,8 +232,15 @@ class ContactWatch {
     return closed(end) ? end.entries.size() : std::min<std::size_t>(1, end.entries.size());
   }
   bool holds_mass(const End& end) const;
-  double momentum(const End& end, std::span<const double> y) const {
+  static double momentum(const End& end, std::span<const double> y) {
     return end.mass * y[2] + end.coupling * y[3] + end.beyond * y[4];
+  }
+  // Momentum of its row by a change of the velocities.
+  static double gained(const End& end, std::span<const double> change) {
+    std::array<double, 6> values{};
+    for (std::size_t k = 2; k < std::min<std::size_t>(5, end.entries.size()); ++k)
+      values[k] = change[end.entries[k] - change.size()];
+    return momentum(end, values);
   }
   double stored(const End& end, std::span<const double> y) const;
   double pull(const End& end, double t, double u, double w, std::size_t i) const;

@@ -483,6 +483,7 @@ class StepwisePart {
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().stretch_at(system_.contact(i).unknown);
+    std::vector<double> change(w().begin(), w().end());
     const PenalisedSystem::Collision collision =
         system_.collide(i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h)});
     weights.bounce(i, collision.height);
@@ -497,7 +498,8 @@ class StepwisePart {
       tell_closing(t, i, *closing);
     else if (closing && std::abs(*closing) > weights.promised_velocity())
       withhold_closing(t, i, *closing);
-    if (ends_) ends_->strike(i, collision.impulse);  // of the contact that has closed
+    for (std::size_t j = 0; j < change.size(); ++j) change[j] = w()[j] - change[j];
+    if (ends_) ends_->strike(i, collision.impulse, change);
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     if (collision.rests)
       system_.set_closed(i, true);

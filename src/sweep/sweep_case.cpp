@@ -165,7 +165,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
-    const SceneFile scene = parse_scene_with(scene_text, "scene", one.settings, {}, Told::nothing);
+    const SceneFile scene = parse_scene_with(scene_text, "scene", one.settings, {}, Telling::nothing);
     if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
                          : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;

@@ -195,7 +195,7 @@ double cost_of(const std::string& scene_text, const std::string& source, const S
     elements = read.elements;
     read.elements = std::min(read.elements, coarse);
   };
-  Case run = parse_scene_with(scene_text, source, one.settings, coarsen, Told::nothing).run;
+  Case run = parse_scene_with(scene_text, source, one.settings, coarsen, Telling::nothing).run;
   run.elements = elements;
   return estimated_seconds(resolve(std::move(run)));
 }

@@ -79,6 +79,20 @@ TEST(Bonded, AStepOfTheSectionIsOneOfTheImpedance) {
   EXPECT_NEAR(frequencies(setup.system()).first.front(), 0.9290754617, 1e-8);
 }
 
+// sin(k l) = 0: with both ends fixed the rows of the joint are the only ones that go to one side.
+TEST(Bonded, BarsBetweenFixedEndsHaveTheirFrequenciesToFourthOrder) {
+  std::vector<double> errors;
+  for (const int elements : {10, 20, 40}) {
+    const auto setup = setup_of(
+        fmt::format("[[bar]]\nlength = 0.5\nelements = {0}\n[[bar]]\nlength = 0.5\nelements = {0}\n[left]\nkind = "
+                    "\"fixed\"\n[right]\nkind = \"fixed\"\n[mesh]\nmass = \"fourth_order\"\n[time]\nend = 1.0\n",
+                    elements));
+    errors.push_back(frequencies(setup.system()).first.front() - std::numbers::pi);
+  }
+  EXPECT_GT(order(errors[0], errors[1]), 3.7);
+  EXPECT_GT(order(errors[1], errors[2]), 3.7);
+}
+
 // Where rows are sums of elements, three equal bars are one.
 TEST(Bonded, EqualBarsAreOneBar) {
   const std::string rest =
@@ -280,6 +294,25 @@ TEST(RigidMember, ARamLeavesAFixedRodInTime) {
     ASSERT_EQ(found.events.size(), 2U) << mass;
     EXPECT_NEAR(found.events[1].time, end, 1e-3) << mass;
     EXPECT_NEAR(found.velocity(found.times.size() - 1).front(), speed, 1e-3) << mass;
+  }
+}
+
+// What a body between two contacts gains is what they give it; the second closes while the first is closed, and the
+// first has a share in that.
+TEST(RigidMember, BetweenContactsItsImpulsesAreItsMomentum) {
+  for (const char* mass : {"fourth_order", "consistent", "lumped"}) {
+    const Recording found = record(
+        parse_scene(fmt::format("[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 6\nvelocity = 1.0\n[[bar]]\nmass = "
+                                "0.5\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 6\nvelocity = "
+                                "-0.2\n[[joint]]\nkind = \"contact\"\ngap = 0.1\n[[joint]]\nkind = \"contact\"\ngap = "
+                                "0.3\n[mesh]\nmass = \"{}\"\n[time]\nend = 2.0\n[method]\nname = \"rigid\"\n",
+                                mass),
+                    "")
+            .run);
+    const std::vector<JointAccount>& joints = found.statistics.account->joints;
+    ASSERT_GT(joints[1].impulse, 0.1) << mass;
+    const double gained = 0.5 * found.velocity(found.times.size() - 1)[7];
+    EXPECT_NEAR(joints[0].impulse - joints[1].impulse, gained, 1e-12) << mass;
   }
 }
 
