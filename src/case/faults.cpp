@@ -248,11 +248,9 @@ void check_chain(const Setup& setup, Findings& findings) {
     const Joint& joint = scene.chain[k].joint;
     if (joint.kind != JointKind::contact) continue;
     const MethodName method = run.method;
-    if (joint.stop && !joint.stop->linear())
-      findings.report(joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
-                      "\"{}\" is no law for the contact of a joint yet; use \"spring_damper\", or leave the law out",
-                      name(joint.stop->law));
-    if (joint.stop && !method_row(method).takes_laws && findings.sound({"method.name"}))
+    const bool taken = method == MethodName::exponential ? !joint.stop || joint.stop->linear()
+                                                         : !joint.stop || method_row(method).takes_laws;
+    if (!taken && findings.sound({"method.name"}))
       findings.report(
           joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
           "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "

@@ -212,8 +212,7 @@ void Derivative::drive(const Moment& at) {
   if (system_.bar().moving())
     for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
   for (const auto& [i, law] : system_.bent()) {
-    const std::size_t node = system_.contact(i).unknown;
-    motion_.linearise(i, system_.tangent(i, system_.clearance(i, at.u), at.w[node]));
+    motion_.linearise(i, system_.tangent(i, system_.clearance(i, at.u), system_.contact(i).of(at.w)));
   }
   if (!driven_) return;
   const std::size_t n = added_.size();
@@ -313,9 +312,9 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
   if (!system_.closed(i)) return 0.0;
   // The remainder of its row; the inertia of the neighbours, of the bar itself, is in the added force.
   if (system_.holds(i)) return motion_.holding_force(i, at.t, s, rate);
-  const std::size_t node = system_.contact(i).unknown;
-  return motion_.contact_force(i, motion_.clearance(i, s), rate[node]) +
-         law_rate(i, system_.clearance(i, at.u), at.w[node]);
+  const Contact& contact = system_.contact(i);
+  return motion_.contact_force(i, motion_.clearance(i, s), contact.of(rate)) +
+         law_rate(i, system_.clearance(i, at.u), contact.of(at.w));
 }
 
 double Derivative::law_rate(std::size_t i, double clearance, double w) const {

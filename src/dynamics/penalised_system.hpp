@@ -328,7 +328,7 @@ class PenalisedSystem {
   double stop_loss(std::span<const double> u, std::span<const double> w) const {
     double power = 0.0;
     for (const auto& [i, law] : bent_) {
-      const double depth = -clearance(i, u), rate = -contact(i).sign * w[contact(i).unknown];
+      const double depth = -clearance(i, u), rate = -contact(i).sign * contact(i).of(w);
       if (closed(i)) power += (law.force(depth, rate) - law.force(depth, 0.0)) * rate;
     }
     return power;

@@ -52,8 +52,8 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "span.gap", {"span.gap=2"});
   says(pair, "left.gap: an end or an obstacle that moves", {"left.kind=obstacle", "left.gap=0.1+t"});
   says(pair, "accuracy.error: is for one bar", {"accuracy.error=1e-3"});
-  says(pair, "\"hertz\" is no law for the contact of a joint yet",
-       {"joint.1.law=hertz", "joint.1.stiffness=3", "method.name=cvode"});
+  says(pair, "\"hertz\" is no law for exponential",
+       {"joint.1.law=hertz", "joint.1.stiffness=3", "method.name=exponential"});
   says(pair, "joint.1.gap", {"bar.2.displacement=-0.1"});
   says(pair, "leaves a gap of 0.1 to the next bar", {"joint.1.kind=bonded", "joint.1.gap=", "bar.2.displacement=0.1"});
   says("[bar]\nlength = 1.0\n[[joint]]\nkind = \"bonded\"\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n",

@@ -336,6 +336,34 @@ TEST(ContactJoint, ACradlePassesTheVelocityOn) {
   for (const JointAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 1.5 * h);
 }
 
+// A body of 1e12 gives way by 1e-12.
+TEST(ContactJoint, AHeavyBodyIsAWallToEveryLaw) {
+  const std::string bar = "length = 1.0\nviscosity = 0.1\nelements = 8\n",
+                    rest = "[time]\nend = 2.5\n[method]\nrelative_tolerance = 1e-9\nname = ";
+  for (const char* law :
+       {"law = \"spring_damper\"\nstiffness = 5.0\ndamping = 0.5\n", "law = \"hertz\"\nstiffness = 20.0\n",
+        "law = \"hunt_crossley\"\nstiffness = 20.0\ndamping = 0.7\n"})
+    for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
+      const Recording wall =
+          record(parse_scene(fmt::format("[bar]\n{}[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+                                         "-1.0\n[contact]\n{}[mesh]\nelements = 8\n{}\"{}\"\n",
+                                         bar.substr(0, bar.find("elements")), law, rest, method),
+                             "")
+                     .run);
+      const Recording body =
+          record(parse_scene(fmt::format("[[bar]]\nmass = 1e12\nvelocity = 0.0\n[[bar]]\n{}velocity = -1.0\n[[joint]]\n"
+                                         "kind = \"contact\"\ngap = 0.1\n{}{}\"{}\"\n",
+                                         bar, law, rest, method),
+                             "")
+                     .run);
+      const std::size_t last = wall.times.size() - 1;
+      EXPECT_NEAR(body.displacement(last).back(), wall.displacement(last).back(), 1e-7) << law << method;
+      EXPECT_NEAR(body.statistics.account->joints[0].impulse, wall.statistics.account->left.impulse, 1e-7)
+          << law << method;
+      EXPECT_GT(wall.statistics.account->left.impulse, 1.0);
+    }
+}
+
 // Bars without strain close the gap at gap / (v_a - v_b), however long the steps are.
 TEST(ContactJoint, IsClosedWithinALongStep) {
   const Recording found = record(

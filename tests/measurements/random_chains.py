@@ -3,7 +3,8 @@ whose motion between two contact changes is a matrix exponential.
 
 python3 tests/measurements/random_chains.py PROGRAM [KIND ...] [--count 200] [--seed 1] [--jobs 2] [--show]
 
-KIND is penalised (contacts that are springs: cvode, ida, arkode, odeint, exponential), rigid, or scheme ((2.8) with the step T/4000,
+KIND is penalised (contacts that are springs: cvode, ida, arkode, odeint, exponential), laws (hertz and hunt_crossley as well, by
+the first four, against SciPy's DOP853, events but for their times), rigid, or scheme ((2.8) with the step T/4000,
 which is told in units of the step times the largest acceleration of its last hundredth). A row tells how many chains, contact
 changes and runs there were, and the largest difference, with its method and seed, of displacements and velocities of the ends,
 displacements at joints, forces at joints and ends, impulses and balance of energy. The unit is what docs/methods.md promises,
@@ -21,10 +22,12 @@ import subprocess
 import tempfile
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 TOLERANCE = 1e-9
-METHODS = {"penalised": ("cvode", "ida", "arkode", "odeint", "exponential"), "rigid": ("rigid",), "scheme": ("fully_discrete",)}
+METHODS = {"penalised": ("cvode", "ida", "arkode", "odeint", "exponential"), "laws": ("cvode", "ida", "arkode", "odeint"),
+           "rigid": ("rigid",), "scheme": ("fully_discrete",)}
 
 
 class Undecided(Exception):
@@ -35,7 +38,7 @@ class Chain:
     """The numbers of a scene, its file, and its motion."""
 
     def __init__(self, kind, seed):
-        random = self.random = np.random.default_rng([sorted(METHODS).index(kind), seed])
+        random = self.random = np.random.default_rng([["penalised", "rigid", "scheme", "laws"].index(kind), seed])
         self.kind = kind
         self.mass = str(random.choice(["fourth_order", "consistent", "lumped"]))
         self.end = self.number(1.0, 3.0)
@@ -48,7 +51,7 @@ class Chain:
         self.joints = [self.draw_joint() for _ in self.members[1:]]
         self.ends = [self.draw_end(self.members[0]), self.draw_end(self.members[-1])]
         self.epsilon = 1 / self.log(10, 300)
-        self.restitution = self.number(0.1, 0.9) if kind != "penalised" and self.sometimes(0.2) else 0.0
+        self.restitution = self.number(0.1, 0.9) if kind in ("rigid", "scheme") and self.sometimes(0.2) else 0.0
         self.number_nodes()
 
     def number(self, low, high):
@@ -60,9 +63,12 @@ class Chain:
     def sometimes(self, share=0.5):
         return self.random.random() < share
 
+    def springs(self):
+        return self.kind in ("penalised", "laws")
+
     def draw_bar(self):
         bar = {key: self.log(0.5, 2) for key in ("length", "density", "modulus", "section")}
-        bar["viscosity"] = 0.0 if self.sometimes(0.2) and self.kind == "penalised" else self.log(0.02, 0.5)
+        bar["viscosity"] = 0.0 if self.sometimes(0.2) and self.springs() else self.log(0.02, 0.5)
         bar["elements"] = int(self.random.integers(4, 10))
         bar["velocity"] = self.number(-1, 1)
         return bar
@@ -75,7 +81,11 @@ class Chain:
         joint = dict(kind=kind)
         if kind == "contact":
             joint["gap"] = 0.0 if self.sometimes(0.2) else self.number(0.01, 0.2)
-            if self.kind == "penalised" and self.sometimes(0.4):
+            if self.kind == "laws" and self.sometimes(0.7):
+                joint |= dict(law="hertz", stiffness=self.log(5, 300))
+                if self.sometimes():
+                    joint |= dict(law="hunt_crossley", damping=self.log(0.01, 1))
+            elif self.kind in ("penalised", "laws") and self.sometimes(0.4):
                 joint |= dict(law="spring_damper", stiffness=self.log(5, 300), damping=self.log(0.01, 2))
         if kind == "spring":
             joint |= dict(stiffness=self.log(0.5, 100), damping=self.log(0.01, 1) if self.sometimes() else 0.0)
@@ -159,7 +169,7 @@ class Chain:
         M, K, C = self.M, self.K.copy(), self.C.copy()
         F = self.F.copy()
         basis = np.eye(n)
-        if self.kind == "penalised":
+        if self.springs():
             for c in closed:
                 normal, gap, k, d, _ = self.contacts[c]
                 K, C = K + k * np.outer(normal, normal), C + d * np.outer(normal, normal)
@@ -184,7 +194,7 @@ class Chain:
     def forces(self, closed, y, A):
         """Of each contact, in the direction that pushes its sides apart."""
         n = self.count
-        if self.kind == "penalised":
+        if self.springs():
             out = np.zeros(len(self.contacts))
             for c in closed:
                 normal, gap, k, d, _ = self.contacts[c]
@@ -232,11 +242,50 @@ class Chain:
             raise Undecided
         return some, after, dict(zip(some, impulse))
 
+    def push(self, c, depth, rate):
+        _, _, k, d, name = self.contacts[c]
+        law = self.joints[int(name[6:]) - 1].get("law") if name.startswith("joint") else None
+        if depth <= 0:
+            return 0.0
+        if law in ("hertz", "hunt_crossley"):
+            return max(k * depth ** 1.5 * (1 + d * rate), 0.0)
+        return max(k * depth + d * rate, 0.0)
+
+    def solve_laws(self, y, times):
+        n, inverse = self.count, self.generator([])[1]
+
+        def pushes(y):
+            return np.array([self.push(c, -gap, -rate) for c, (gap, rate) in enumerate(zip(self.gaps(y), self.rates(y)))])
+
+        def rates(t, z):
+            y = z[:2 * n + 1]
+            force = pushes(y)
+            total = self.F - self.K @ y[:n] - self.C @ y[n:2 * n] + sum(f * c[0] for f, c in zip(force, self.contacts))
+            return np.concatenate([y[n:2 * n], inverse @ total, [0.0], force])
+
+        z, rows, changes, touching = np.concatenate([y, np.zeros(len(self.contacts))]), [], [], pushes(y) > 0
+        for a, b in zip([0.0, *times], times):
+            if b > a:
+                done = solve_ivp(rates, (a, b), z, method="DOP853", rtol=3e-13, atol=1e-13, max_step=0.02)
+                for at, column in zip(done.t, done.y.T):
+                    now = pushes(column[:2 * n + 1]) > 0
+                    speed = self.rates(column[:2 * n + 1])
+                    changes += [(at, self.contacts[c][4], "closing" if now[c] else "opening", speed[c])
+                                for c in np.flatnonzero(now != touching)]
+                    touching = now
+                z = done.y[:, -1]
+            rows.append((z[:n].copy(), z[n:2 * n].copy(), pushes(z[:2 * n + 1])))
+        if any(abs(change[3]) < 0.02 for change in changes):
+            raise Undecided
+        return times, rows, z[2 * n + 1:], changes
+
     def solve(self, disturbed=0.0):
         n = self.count
         y = np.concatenate([np.zeros(n), self.v0 + disturbed, [1.0]])
         y[n + np.array(self.fixed, dtype=int)] = 0.0
         times = self.every() * np.arange(17)
+        if self.kind == "laws":
+            return self.solve_laws(y, times)
         impulses, changes = np.zeros(len(self.contacts)), []
         closed, y = self.begin(y, impulses, changes)
         t, rows = 0.0, []
@@ -256,7 +305,7 @@ class Chain:
         rates = self.rates(y)
         touching = [c for c, gap in enumerate(self.gaps(y)) if gap <= 1e-12]
         closed = []
-        if self.kind != "penalised":
+        if not self.springs():
             if touching:
                 some, y, given = self.impact(y, touching)
                 for c, impulse in given.items():
@@ -330,7 +379,7 @@ class Chain:
             if abs(speed) < 0.02:
                 raise Undecided
             changes.append((t, self.contacts[c][4], "closing", speed))
-            if self.kind == "penalised":
+            if self.springs():
                 return [*closed, c], y, t, None
             touching = sorted([*closed, c])
             some, y, given = self.impact(y, touching)
@@ -372,7 +421,7 @@ class Chain:
                 lines.append('side = "above"')
         lines.append(f'[time]\nend = {self.end!r}\n[mesh]\nmass = "{self.mass}"')
         contact = [f"restitution = {self.restitution!r}"] if self.restitution else []
-        if self.kind == "penalised":
+        if self.springs():
             contact.append(f"epsilon = {self.epsilon!r}")
         if self.contacts and contact:
             lines.append("[contact]\n" + "\n".join(contact))
@@ -451,7 +500,7 @@ def compare(chain, directory, times, truth, impulses, changes):
     ends = table(os.path.join(directory, "ends.csv"))
     size = 1.0 + max(np.max(np.abs(v)) for _, v, _ in truth)
     unit = 100 * TOLERANCE * chain.magnifies * size
-    stiffness = max(np.max(chain.K), max((c[2] + c[3] for c in chain.contacts), default=0.0) if chain.kind == "penalised" else 0.0)
+    stiffness = max(np.max(chain.K), max((c[2] + c[3] for c in chain.contacts), default=0.0) if chain.springs() else 0.0)
     stiffness += np.max(chain.C)
     if chain.kind == "scheme":
         unit = chain.end / 4000 * chain.magnifies * size * stiffness
@@ -491,7 +540,7 @@ def compare(chain, directory, times, truth, impulses, changes):
     found["impulses"] = max((abs(sign[name] * summary["contact"].get(name, {}).get("impulse", 0.0) - impulses[c])
                              for name, c in names.items()), default=0.0) / force_unit
     found["energy"] = abs(summary["energy"]["balance_error"]) / (size * (force_unit if tell_force else unit))
-    if chain.kind != "scheme":
+    if chain.kind in ("penalised", "rigid"):
         with open(os.path.join(directory, "events.csv")) as file:
             told = [row for row in csv.DictReader(file) if row["change"] in ("closing", "opening")]
         same = len(told) == len(changes) and all((row["where"], row["change"]) == change[1:3] for row, change in zip(told, changes))

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -18,6 +17,21 @@ namespace {
 
 /// The forces of contacts have not been found: a shorter step is easier.
 struct NoConvergence {};
+
+// x <- A^{-1} x, A by rows, which is lost.
+void eliminate(std::span<double> a, std::span<double> x) {
+  const std::size_t n = x.size();
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const double share = a[i * n + k] / a[k * n + k];
+      for (std::size_t j = k + 1; j < n; ++j) a[i * n + j] -= share * a[k * n + j];
+      x[i] -= share * x[k];
+    }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t j = i + 1; j < n; ++j) x[i] -= a[i * n + j] * x[j];
+    x[i] /= a[i * n + i];
+  }
+}
 
 }  // namespace
 
@@ -45,65 +59,61 @@ void Leg::find_columns() {
   for (const auto& [i, law] : system.bent()) {
     if (!system.closed(i)) continue;
     Column& column = columns_.emplace_back(Column{i, std::vector<double>(layout.nodes, 0.0)});
-    column.values[system.contact(i).unknown] = 1.0;
-    factor_.solve(column.values);
+    const std::size_t node = system.contact(i).unknown;
+    column.z[node] = 1.0;
+    if (system.contact(i).joint > 0) column.z[node - 1] = -1.0;
+    factor_.solve(column.z);
     ++statistics.linear_solves;
   }
+  newton_.resize(columns_.size() * (columns_.size() + 1));
 }
 
 void Leg::solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x) {
   solve(m, c, k, x);
   if (system.bent().empty()) return;
   find_columns();
-  const std::size_t count = columns_.size();
-  std::array<std::size_t, 2> node{};
-  std::array<double, 2> start{}, y{}, clearance{}, w{}, force{}, added{};
-  const auto at = [&](std::size_t j) { return columns_[j].contact; };
-  const auto coupling = [&](std::size_t j, std::size_t l) { return columns_[l].values[node[j]]; };
-  for (std::size_t j = 0; j < count; ++j) {
-    node[j] = system.contact(at(j)).unknown;
-    const double u = to.u[node[j]] + (to.explicit_u ? to.explicit_u[node[j]] : 0.0);
-    clearance[j] = forces.contact(at(j)).sign * u + forces.clearance_at_origin(at(j));
-    w[j] = to.w[node[j]];
-    force[j] = forces.contact_force(at(j), clearance[j], w[j]);
-    start[j] = x[node[j]];
+  const std::size_t count = columns_.size(), n = layout.nodes;
+  for (Column& at : columns_) {
+    const Contact& contact = forces.contact(at.contact);
+    const double u = contact.of({to.u, n}) + (to.explicit_u ? contact.of({to.explicit_u, n}) : 0.0);
+    at.clearance = contact.sign * u + forces.clearance_at_origin(at.contact);
+    at.w = contact.of({to.w, n});
+    at.force = forces.contact_force(at.contact, at.clearance, at.w);
+    at.start = contact.of(x), at.y = 0.0;
   }
-  // y_j - start_j - sum_l z_jl added_l = 0; its Jacobian is 1 + z (k dN/dd + c dN/dd'), which is positive definite.
+  // y_j - start_j - sum_l z_jl added_l = 0; its Jacobian is 1 + z (k dN/dd + c dN/dd'), positive definite where D is.
   constexpr int most = 50;
+  const std::span<double> residual = std::span(newton_).last(count);
   double change = std::numeric_limits<double>::infinity(), size = 0.0;
   for (int iteration = 0; change > 1e-13 * size && count > 0; ++iteration) {
     if (iteration == most) throw NoConvergence{};
-    std::array<double, 2> residual{}, slope{};
-    for (std::size_t l = 0; l < count; ++l) {
-      const double u = clearance[l] + forces.contact(at(l)).sign * (k / to.factor) * y[l];
-      const double v = w[l] + c / to.factor * y[l];
-      added[l] = to.factor * (forces.contact_force(at(l), u, v) - force[l]);
-      const PenaltyLaw tangent = forces.tangent(at(l), u, v);
-      slope[l] = k * tangent.stiffness + c * tangent.damping;
+    for (Column& at : columns_) {
+      const double u = at.clearance + forces.contact(at.contact).sign * (k / to.factor) * at.y;
+      const double v = at.w + c / to.factor * at.y;
+      at.added = to.factor * (forces.contact_force(at.contact, u, v) - at.force);
+      const PenaltyLaw tangent = forces.tangent(at.contact, u, v);
+      at.slope = k * tangent.stiffness + c * tangent.damping;
     }
     for (std::size_t j = 0; j < count; ++j) {
-      residual[j] = y[j] - start[j];
-      for (std::size_t l = 0; l < count; ++l) residual[j] -= coupling(j, l) * added[l];
+      const Contact& contact = forces.contact(columns_[j].contact);
+      residual[j] = columns_[j].y - columns_[j].start;
+      for (std::size_t l = 0; l < count; ++l) {
+        const double coupling = contact.of(columns_[l].z);
+        residual[j] -= coupling * columns_[l].added;
+        newton_[j * count + l] = (j == l ? 1.0 : 0.0) + coupling * columns_[l].slope;
+      }
     }
-    const auto jacobian = [&](std::size_t j, std::size_t l) {
-      return (j == l ? 1.0 : 0.0) + coupling(j, l) * slope[l];
-    };
-    std::array<double, 2> step = {residual[0] / jacobian(0, 0), 0.0};
-    if (count == 2) {
-      const double determinant = jacobian(0, 0) * jacobian(1, 1) - jacobian(0, 1) * jacobian(1, 0);
-      step = {(residual[0] * jacobian(1, 1) - jacobian(0, 1) * residual[1]) / determinant,
-              (jacobian(0, 0) * residual[1] - residual[0] * jacobian(1, 0)) / determinant};
-    }
+    eliminate(std::span(newton_).first(count * count), residual);
     change = size = 0.0;
     for (std::size_t j = 0; j < count; ++j) {
-      y[j] -= step[j];
-      change = std::max(change, std::abs(step[j]));
-      size = std::max({size, std::abs(y[j]), std::abs(start[j])});
+      columns_[j].y -= residual[j];
+      change = std::max(change, std::abs(residual[j]));
+      size = std::max({size, std::abs(columns_[j].y), std::abs(columns_[j].start)});
     }
     if (!std::isfinite(change)) throw NoConvergence{};
   }
-  for (std::size_t l = 0; l < count; ++l)
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += added[l] * columns_[l].values[i];
+  for (const Column& at : columns_)
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += at.added * at.z[i];
 }
 
 // Solves for (u, w) or for a derivative of it, whose forces are those.

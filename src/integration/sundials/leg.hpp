@@ -45,12 +45,12 @@ class Leg {
     double factor;
   };
   /// The same with the closed contacts that are not linear, by the forces of the bar or of a derivative of it: D x =
-  /// right + factor sum_i s_i (N_i(x) - N_i(0)) e_i. Without them it is the same; with z_i = D^{-1} e_i, which stay as
-  /// the factor does,
+  /// right + factor sum_i s_i (N_i(x) - N_i(0)) e_i, at a joint e_b - e_a. Without them it is the same; with z_i =
+  /// D^{-1} e_i, which stay as the factor does,
   ///
   ///     x = D^{-1} right + factor sum_i s_i (N_i(x_i) - N_i(0)) z_i,
   ///
-  /// one or two equations for x_i at the contacts, by Newton's method.
+  /// an equation for each contact, of x_i = e_i . x, by Newton's method.
   void solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x);
 
   /// x of  x = gamma f(t, y + x) + factor z  for the first-order form y' = f(t, y) = (w, (rho M)^{-1} F): the corrector
@@ -97,13 +97,16 @@ class Leg {
   void solve_momentum(PenalisedSystem& forces, double t, double gamma, std::span<const double> y, double factor,
                       std::span<const double> z, std::span<double> x);
 
-  struct Column {  // z of a contact
+  // z of a contact; e . (u + explicit u) as its clearance, e . w, N there, e . x before and after, what is added.
+  struct Column {
     std::size_t contact;
-    std::vector<double> values;
+    std::vector<double> z;
+    double clearance = 0.0, w = 0.0, force = 0.0, start = 0.0, y = 0.0, added = 0.0, slope = 0.0;
   };
   void find_columns();
 
   std::vector<Column> columns_;  // of this factor, of closed contacts that are not linear
+  std::vector<double> newton_;   // the Jacobian by rows, and the residual
   bool columns_known_ = false;
   SymmetricTridiagonal matrix_;
   TridiagonalFactor factor_;
