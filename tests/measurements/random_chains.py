@@ -68,6 +68,7 @@ class Chain:
 
     def draw_bar(self):
         bar = {key: self.log(0.5, 2) for key in ("length", "density", "modulus", "section")}
+        bar["growth"] = self.number(-1, 1) / bar["length"] if self.sometimes(0.3) else 0.0
         bar["viscosity"] = 0.0 if self.sometimes(0.2) and self.springs() else self.log(0.02, 0.5)
         bar["elements"] = int(self.random.integers(4, 10))
         bar["velocity"] = self.number(-1, 1)
@@ -121,11 +122,12 @@ class Chain:
             if "mass" in member:
                 own = np.array([[member["mass"]]])
             else:
-                h, e, area = member["length"] / member["elements"], member["elements"], member["section"]
-                own = area * member["density"] * h * mass_of(self.mass, e)
+                e = member["elements"]
+                own, stretch = mass_of(self.mass, member)
+                own = member["density"] * own
                 stiffness = np.zeros((e + 1, e + 1))
                 for i in range(e):
-                    stiffness[i:i + 2, i:i + 2] += np.array([[1, -1], [-1, 1]]) * area / h
+                    stiffness[i:i + 2, i:i + 2] += np.array([[1, -1], [-1, 1]]) / (stretch[i + 1] - stretch[i])
                 self.K[at] += member["modulus"] * stiffness
                 self.C[at] += member["viscosity"] * stiffness
             self.M[at] += own
@@ -410,7 +412,9 @@ class Chain:
         lines = []
         for member in self.members:
             lines.append("[[bar]]")
-            lines += [f"{key} = {value!r}" for key, value in member.items()]
+            lines += [f"{key} = {value!r}" for key, value in member.items() if key not in ("section", "growth")]
+            if "growth" in member:
+                lines.append(f'section = "{member["section"]!r}*exp({member["growth"]!r}*x)"')
         for joint in self.joints:
             lines.append("[[joint]]")
             lines += [f"{key} = {value!r}".replace("'", '"') for key, value in joint.items()]
@@ -440,18 +444,31 @@ def unit(n, i):
     return e
 
 
-def mass_of(name, e):
-    """For elements of length 1."""
-    M = np.zeros((e + 1, e + 1))
-    if name == "fourth_order":
-        for i in range(1, e):
-            M[i, i - 1:i + 2] = np.array([1, 10, 1]) / 12
-        M[0, :3] = np.array([7, 6, -1]) / 24
-        M[-1, -3:] = np.array([-1, 6, 7]) / 24
-        return M
-    for i in range(e):
-        M[i:i + 2, i:i + 2] += np.eye(2) / 2 if name == "lumped" else np.array([[2, 1], [1, 2]]) / 6
-    return M
+def mass_of(name, bar):
+    """Of density 1, by Gauss' rule, and s = int dx / A at the nodes; A = section exp(growth x)."""
+    x = np.linspace(0, bar["length"], bar["elements"] + 1)
+    rate = bar["growth"]
+    area = lambda at: bar["section"] * np.exp(rate * at)
+    stretch = lambda at: at / bar["section"] if rate == 0 else (1 - np.exp(-rate * at)) / (bar["section"] * rate)
+    s, n = stretch(x), len(x)
+    node, weight = np.polynomial.legendre.leggauss(20)
+    M = np.zeros((n, n))
+    for e in range(n - 1):
+        at = (x[e] + x[e + 1]) / 2 + (x[e + 1] - x[e]) / 2 * node
+        w, here = (x[e + 1] - x[e]) / 2 * weight * area(at), stretch(at)
+        hat = np.array([s[e + 1] - here, here - s[e]]) / (s[e + 1] - s[e])
+        for k, i in enumerate((e, e + 1)):
+            if name == "lumped":
+                M[i, i] += np.sum(w * hat[k])
+            elif name == "consistent":
+                M[i, e:e + 2] += np.sum(w * hat[k] * hat, axis=1)
+            else:  # the acceleration by the parabola in s through the node and its neighbours, at an end the next two
+                first = min(max(i - 1, 0), n - 3)
+                three = s[first:first + 3]
+                for l in range(3):
+                    others = np.delete(three, l)
+                    M[i, first + l] += np.sum(w * hat[k] * np.prod([(here - o) / (three[l] - o) for o in others], axis=0))
+    return M, s
 
 
 def table(path):
