@@ -34,6 +34,13 @@ double promised_balance(const Case& run, const BarSystem& system, double energy,
 
 }  // namespace
 
+std::optional<std::string> overflow(const Statistics& statistics) {
+  const auto& energy = statistics.energy;
+  if (!energy || std::isfinite(energy->initial + energy->final + energy->work + energy->dissipated)) return std::nullopt;
+  return "the energy of the bar is no longer a number: the data, or the motion, are too large for the squares of double "
+         "precision; choose units in which displacements and stresses are nearer to 1";
+}
+
 std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Statistics& statistics) {
   const Case& run = setup.run;
   std::vector<Alarm> all;

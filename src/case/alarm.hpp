@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ struct Alarm {
   std::string what;      ///< the two numbers that disagree, and by how much
   bool ruinous = false;  ///< true if nothing of the result can be relied on
 };
+
+/// What is to be said of a run whose energies are no longer numbers; absent: they are.
+std::optional<std::string> overflow(const Statistics& statistics);
 
 /// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is
 /// sound.

@@ -269,10 +269,11 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   const Bar& bar = system.bar();
   double mass = 0.0;
   bool obstacle = false;
+  const std::vector<double> masses = system.effective_masses();
   for (const Contact& contact : system.contacts()) {
-    if (!contact.at_end() || system.stop(contact)) continue;
+    if (system.stop(contact)) continue;
     obstacle = true;
-    mass = std::max(mass, system.effective_masses()[contact.unknown]);
+    mass = std::max(mass, contact.joint > 0 ? system.contact_mass(contact) : masses[contact.unknown]);
   }
   if (!obstacle) return std::nullopt;
   if (is_scheme(run.method) && mass > 0.0)

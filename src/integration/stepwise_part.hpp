@@ -187,19 +187,24 @@ class StepwisePart {
       statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w()) + of_frame};
       if (layout_.work) y_[*layout_.work] = -of_frame;
     }
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
-      if (system_.closed(i)) {
-        starts_in_contact_ = true;
-        differentiate_closing(t, i, start, approach);
-        const double velocity = system_.contact(i).of(approach);
-        if (system_.collides(i)) {
-          system_.set_closed(i, false);
-          strike(t, i, velocity);
-        } else {
-          tell_event(t, i, Change::closing, velocity);
-        }
-        if (sensitivities_) sensitivities_->after(t, i, y_);
-      }
+    // Rigid contacts strike one after the other: those to come are open, and one that has moved apart by then stays so.
+    std::vector<std::size_t> settled;
+    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
+      if (!system_.closed(i)) continue;
+      settled.push_back(i);
+      if (system_.collides(i)) system_.set_closed(i, false);
+    }
+    for (const std::size_t i : settled) {
+      if (system_.collides(i) && system_.contact(i).sign * system_.contact(i).of(w()) > 0.0) continue;
+      starts_in_contact_ = true;
+      differentiate_closing(t, i, start, approach);
+      const double velocity = system_.contact(i).of(approach);
+      if (system_.collides(i))
+        strike(t, i, velocity);
+      else
+        tell_event(t, i, Change::closing, velocity);
+      if (sensitivities_) sensitivities_->after(t, i, y_);
+    }
     statistics_.reached_time = t;
     tell_snapshot(t);
     next_output_ = 1;

@@ -124,11 +124,7 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
   pass_on(sensitivity_warning(done));
   pass_on(graze_warning(outcome, done));
   if (!done.energy) return;
-  if (const EnergyAccount& energy = *done.energy;
-      !std::isfinite(energy.initial + energy.final + energy.work + energy.dissipated))
-    fail(outcome, Ending::failed,
-         "the energy of the bar is no longer a number: the data, or the motion, are too large for the squares of "
-         "double precision; choose units in which displacements and stresses are nearer to 1");
+  if (const auto problem = overflow(done)) return fail(outcome, Ending::failed, *problem);
   pass_on(growth_warning(setup.run, done));
   pass_on(representation_warning(done));
   pass_on(penetration_warning(setup, system, done));

@@ -318,6 +318,23 @@ TEST(RigidMember, BetweenContactsItsImpulsesAreItsMomentum) {
   }
 }
 
+// Two contacts that close at the start: what both take from the energy is told.
+TEST(ContactJoint, TwoThatStrikeAtTheStartKeepTheBalance) {
+  for (const double restitution : {0.0, 0.5}) {
+    std::string text = "[contact]\nrestitution = " + std::to_string(restitution) + "\n";
+    for (const double velocity : {1.0, 0.2, -0.5})
+      text += fmt::format("[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 5\nvelocity = {}\n", velocity);
+    const Recording found =
+        record(parse_scene(text + "[[joint]]\nkind = \"contact\"\n[[joint]]\nkind = \"contact\"\n[mesh]\nmass = "
+                                  "\"consistent\"\n[time]\nend = 0.3\n[method]\nname = \"rigid\"\n",
+                           "")
+                   .run);
+    const EnergyAccount& energy = *found.statistics.energy;
+    EXPECT_NEAR(energy.final + energy.dissipated, energy.initial, 1e-9) << restitution;
+    EXPECT_GT(energy.dissipated, 0.1);
+  }
+}
+
 // Newton's cradle of five elastic bars that touch, the first thrown: the last leaves with its velocity.
 TEST(ContactJoint, ACradlePassesTheVelocityOn) {
   std::string text, joints;

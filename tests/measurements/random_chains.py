@@ -177,7 +177,7 @@ class Chain:
                 K, C = K + k * np.outer(normal, normal), C + d * np.outer(normal, normal)
                 F = F - k * gap * normal
         else:
-            for c in closed:
+            for c in sorted(closed, reverse=True):  # a node between two of them moves with the one to its left
                 normal = self.contacts[c][0]
                 a, b = np.flatnonzero(normal)[0], np.flatnonzero(normal)[-1]
                 if a != b:
@@ -186,7 +186,6 @@ class Chain:
         basis[:, self.fixed] = 0.0
         keep = np.flatnonzero(np.any(basis != 0, axis=0))
         Z = basis[:, keep]
-        # A tie of ties: a column that was added and then taken away is 0 by now.
         inverse = Z @ np.linalg.solve(Z.T @ M @ Z, Z.T)
         A = np.zeros((2 * n + 1, 2 * n + 1))
         A[:n, n:2 * n] = np.eye(n)
@@ -299,7 +298,7 @@ class Chain:
             A, _ = self.generator(closed)
             rows.append((y[:n].copy(), y[n:2 * n].copy(), self.forces(closed, y, A)))
         for one, other in itertools.combinations(changes, 2):
-            if abs(one[0] - other[0]) < 1e-4 and other[0] > 0:
+            if abs(one[0] - other[0]) < 1e-4 and other[0] > 0 and one[1] != other[1]:
                 raise Undecided
         return times, rows, impulses, changes
 
@@ -318,6 +317,9 @@ class Chain:
         if any(abs(self.rates(y)[c]) < 0.02 for c in touching if c not in closed):
             raise Undecided
         changes += [(0.0, self.contacts[c][4], "closing", rates[c]) for c in closed]
+        if self.restitution > 0:
+            for c in touching:
+                changes += [(0.0, self.contacts[c][4], "closing", rates[c]), (0.0, self.contacts[c][4], "opening", self.rates(y)[c])]
         return closed, y
 
     def every(self):
@@ -331,14 +333,17 @@ class Chain:
         step = min(0.05 / highest, stop - t)
         pieces = max(1, int(np.ceil((stop - t) / step)))
         step = (stop - t) / pieces
-        weights = np.zeros((len(self.contacts), len(y)))
+        weights, pushes = np.zeros((len(self.contacts), len(y))), np.zeros((len(self.contacts), len(y)))
         for j, column in enumerate(np.eye(len(y))):
             weights[:, j] = self.forces(closed, column, A)
+            if self.springs():
+                pushes[:, j] = self.forces(range(len(self.contacts)), column, A) / [c[2] for c in self.contacts]
         open_ones = [c for c in range(len(self.contacts)) if c not in closed]
 
         def watched(y):
-            w = np.array([*self.gaps(y)[open_ones], *(weights @ y)[closed]])
-            return w
+            # A stop with a damper pushes again where its force is positive, without a touch before.
+            gaps = np.maximum(self.gaps(y), -(pushes @ y)) if self.springs() else self.gaps(y)
+            return np.array([*gaps[open_ones], *(weights @ y)[closed]])
 
         E = expm(A * step)
         # Impulses are integrals of what is linear in y: those of y itself, by one more exponential.
@@ -378,7 +383,7 @@ class Chain:
         c = which[0]
         if closing:
             speed = self.rates(y)[c]
-            if abs(speed) < 0.02:
+            if abs(speed) < 0.02 and self.gaps(y)[c] > -1e-9:
                 raise Undecided
             changes.append((t, self.contacts[c][4], "closing", speed))
             if self.springs():
@@ -389,6 +394,7 @@ class Chain:
                 impulses[one] += impulse
             if self.restitution > 0:
                 closed = []
+                changes += [(t, self.contacts[one][4], "opening", self.rates(y)[one]) for one in some]
                 if any(abs(rate) < 0.02 for rate in self.rates(y)[touching]):
                     raise Undecided
             else:

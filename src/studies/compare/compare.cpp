@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "case/alarm.hpp"
 #include "studies/parallel.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -55,7 +56,9 @@ MethodRun attempt(const Contender& contender) {
   MethodRun result{contender.label, !contender.solver, resolve(std::move(run)), {}, {}, {}, 0};
   try {
     Recording recording = result.built_in ? record_setup(result.setup) : contender.solver(result.setup.run);
-    if (const auto problem = fault(recording, result.setup.run)) throw std::invalid_argument(*problem);
+    auto problem = fault(recording, result.setup.run);
+    if (!problem) problem = overflow(recording.statistics);
+    if (problem) throw std::invalid_argument(*problem);
     const std::vector<double>& times = recording.times;
     result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
     result.recording = std::move(recording);
