@@ -36,7 +36,8 @@ double promised_balance(const Case& run, const BarSystem& system, double energy,
 
 std::optional<std::string> overflow(const Statistics& statistics) {
   const auto& energy = statistics.energy;
-  if (!energy || std::isfinite(energy->initial + energy->final + energy->work + energy->dissipated)) return std::nullopt;
+  if (!energy || std::isfinite(energy->initial + energy->final + energy->work + energy->dissipated))
+    return std::nullopt;
   return "the energy of the bar is no longer a number: the data, or the motion, are too large for the squares of double "
          "precision; choose units in which displacements and stresses are nearer to 1";
 }

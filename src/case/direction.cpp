@@ -138,7 +138,8 @@ Direction direction(const Case& run, std::string_view key) {
     if (scene.side)
       along.data.side =
           SideResistance{scene.side->stiffness ? carried(scene.side->stiffness, scene.bar.length) : nullptr,
-                         scene.side->drag ? carried(scene.side->drag, scene.bar.length) : nullptr};
+                         scene.side->drag ? carried(scene.side->drag, scene.bar.length) : nullptr,
+                         scene.side->stiffness_places, scene.side->drag_places};
     data.displacement = carried(scene.displacement, scene.bar.length);
     data.velocity = carried(scene.velocity, scene.bar.length);
     data.displacement_places = scene.displacement_places;

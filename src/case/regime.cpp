@@ -64,8 +64,32 @@ ImpactPrediction predict_impact(const Bar& bar, double spacing, double effective
 
 namespace {
 
-// How a mass comes to rest in a stop, and how it leaves: m x'' = -N(x, x'), by the classical formulas of order 4.
-StopForecast lone_mass(double mass, const Stop& stop, double speed) {
+// N = k d^(3/2) (1 + lambda d'): with a = lambda V and G(v) = v / lambda - ln(1 + lambda v) / lambda^2
+//
+//     (2 k / (5 m)) d^(5/2) = G(V) - G(v),    a (1 + e) = ln((1 + a) / (1 - a e)).
+StopForecast proportionally_damped_mass(double mass, const Stop& stop, double speed) {
+  const double lambda = stop.damping, a = lambda * speed;
+  StopForecast found{.speed = speed};
+  const auto depth = [&](double v) {
+    const double left = (speed - v) / lambda - (std::log1p(a) - std::log1p(lambda * v)) / (lambda * lambda);
+    return std::pow(2.5 * mass / stop.stiffness * std::max(left, 0.0), 0.4);
+  };
+  double low = 0.0, high = std::min(1.0, 1.0 / a);
+  for (int k = 0; k < 200; ++k) {
+    const double e = 0.5 * (low + high);
+    (a * (1.0 + e) > std::log1p(a) - std::log1p(-a * e) ? low : high) = e;
+  }
+  found.restitution = low;
+  found.penetration = depth(0.0);
+  for (int k = 0; k <= 1000; ++k) {
+    const double v = speed * (1.0 - 0.001 * k);
+    found.force = std::max(found.force, stop.force(depth(v), v));
+  }
+  return found;
+}
+
+// m x'' = -N(x, x'), by the classical formulas of order 4.
+StopForecast integrated_mass(double mass, const Stop& stop, double speed) {
   StopForecast found{.speed = speed, .restitution = 1.0};
   double shallow = 0.0, deep = 1.0;  // without damping all its energy is in the spring
   const double energy = 0.5 * mass * speed * speed;
@@ -87,6 +111,14 @@ StopForecast lone_mass(double mass, const Stop& stop, double speed) {
     found.penetration = std::max(found.penetration, x);
   }
   found.restitution = -v / speed;
+  return found;
+}
+
+// How a mass comes to rest in a stop, and how it leaves.
+StopForecast lone_mass(double mass, const Stop& stop, double speed) {
+  // Less damping than that takes the digits of the closed form.
+  const bool proportional = stop.law == Law::hunt_crossley && stop.damping * speed > 1e-3;
+  StopForecast found = (proportional ? proportionally_damped_mass : integrated_mass)(mass, stop, speed);
   found.damping_ratio =
       stop.by_rate(found.penetration, 0.0) / (2.0 * std::sqrt(mass * stop.by_depth(found.penetration, 0.0)));
   return found;

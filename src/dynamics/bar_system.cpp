@@ -121,12 +121,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   for (const Piece& piece : *pieces_)
     if (piece.rigid()) whole_inertia_.diagonal[piece.first] += piece.mass;
   if (scene.side) {
-    const auto nodal = [&](const SpaceFunction& f) {
-      std::vector<double> values;
-      for (std::size_t j = 0; f && j < mesh.nodes(); ++j) values.push_back(f(mesh.node(j)));
-      return values;
-    };
-    side_.emplace(assembled(*pieces_, inertia_of), nodal(scene.side->stiffness), nodal(scene.side->drag));
+    side_.emplace(assembled(*pieces_, inertia_of), side_values(scene.side->stiffness, scene.side->stiffness_places),
+                  side_values(scene.side->drag, scene.side->drag_places));
   }
   inertia_ = restrict_to(whole_inertia_, first, n);
   for (const bool right : {false, true})
@@ -170,7 +166,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     const Lift rate = lift(0.0, 1);
     for (std::size_t i = 0; i < size(); ++i) initial_.v[i] -= rate.at(share(i));
   }
-  if (auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places, true); !moments.empty())
+  if (auto moments = moments_of("the initial velocity", scene.velocity, scene.velocity_places, Moments::of_velocity);
+      !moments.empty())
     start_from(std::move(moments));
   else if (mass == Mass::fourth_order && fixed > 0)
     stop_fixed_ends(scene);
@@ -181,7 +178,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     const SymmetricTridiagonal load_mass =
         assembled(*pieces_, [&](const Piece& piece) { return mass_matrix(piece.mesh, mass, piece.section.get()); });
     const auto weighted = [&](const SpaceFunction& profile, const Places& places) {
-      std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places, false);
+      std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places, Moments::of_load);
       if (product.empty()) {
         product = values;
         for (std::size_t j = 0; j < values.size(); ++j) values[j] = profile(mesh.node(j));
@@ -503,15 +500,30 @@ std::vector<double> graded(const NextBreak& detail, double length) {
 
 }  // namespace
 
+// Where k jumps, or has detail that nodes do not see, int phi_i k dx / int phi_i dx: their sum has all of it.
+std::vector<double> BarSystem::side_values(const SpaceFunction& f, const Places& places) const {
+  std::vector<double> values;
+  if (!f) return values;
+  for (std::size_t j = 0; j < mesh_.nodes(); ++j) values.push_back(f(mesh_.node(j)));
+  const std::vector<double> moments = moments_of("the resistance of the side", f, places, Moments::of_side);
+  if (moments.empty()) return values;
+  const std::vector<double> weights = moments_of(
+      "one", [](double) { return 1.0; }, places, Moments::of_side);
+  for (std::size_t j = 0; j < values.size(); ++j)
+    if (weights[j] > 0.0) values[j] = moments[j] / weights[j];
+  return values;
+}
+
 // None where nothing is known; and what is smooth has none but on `fourth_order`, unless its detail is finer than a
 // quarter of an element. Bonded members of unlike velocities have one by their momentum.
 std::vector<double> BarSystem::moments_of(std::string_view what, const SpaceFunction& f, const Places& places,
-                                          bool velocity) const {
+                                          Moments of) const {
   std::vector<double> moments;
   if (!places.breaks) return moments;
+  const bool velocity = of == Moments::of_velocity;
   const double length = mesh_.length;
   const std::vector<double> detail = graded(places.detail, length);
-  bool needed = mass_ == Mass::fourth_order || places.breaks(0.0, length);
+  bool needed = (mass_ == Mass::fourth_order && of != Moments::of_side) || places.breaks(0.0, length);
   for (std::size_t p = 1; p < pieces_->size() && velocity; ++p) {
     const Piece &left = (*pieces_)[p - 1], &right = (*pieces_)[p];
     needed |= left.last() == right.first && left.velocity(left.mesh.length) != right.velocity(0.0);  // bonded

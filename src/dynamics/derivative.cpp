@@ -141,13 +141,14 @@ void Derivative::take_side(const Direction& direction, double stretched) {
   if (!own || (!direction.data.side && stretched == 0.0)) return;
   const Mesh& mesh = system_.bar().mesh();
   const Bar& bar = system_.bar().bar();
-  std::vector<double> stiffness(mesh.nodes()), drag(mesh.nodes());
+  const SideResistance given = direction.data.side.value_or(SideResistance{});
+  std::vector<double> stiffness = system_.bar().side_values(given.stiffness, given.stiffness_places);
+  std::vector<double> drag = system_.bar().side_values(given.drag, given.drag_places);
+  stiffness.resize(mesh.nodes()), drag.resize(mesh.nodes());
   double change = 0.0;
   for (std::size_t j = 0; j < mesh.nodes(); ++j) {
-    const auto rate = [&](const SpaceFunction& f) { return f ? f(mesh.node(j)) : 0.0; };
-    const SideResistance given = direction.data.side.value_or(SideResistance{});
-    stiffness[j] = rate(given.stiffness) + stretched * own->stiffness(j);
-    drag[j] = rate(given.drag) + stretched * own->drag(j);
+    stiffness[j] += stretched * own->stiffness(j);
+    drag[j] += stretched * own->drag(j);
     change = std::max(change, std::abs(stiffness[j]) * bar.length * bar.length / bar.modulus +
                                   std::abs(drag[j]) * bar.length / std::sqrt(bar.modulus * bar.density));
   }

@@ -142,8 +142,10 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     const auto formula = entries.formula(name);
     return run.scene.side && formula && formula->derivative(by) ? rate_of_x(*formula, by, size) : nullptr;
   };
-  if (SideResistance rates{rate_of_side("side.stiffness"), rate_of_side("side.drag")}; rates.stiffness || rates.drag)
+  if (SideResistance rates{rate_of_side("side.stiffness"), rate_of_side("side.drag")}; rates.stiffness || rates.drag) {
+    rates.stiffness_places = run.scene.side->stiffness_places, rates.drag_places = run.scene.side->drag_places;
     along.data.side = std::move(rates);
+  }
   if (parameter) {
     add_rates_of_end(entries, "left", run.scene.left_input, by, along.data.left, along.data.left_input);
     add_rates_of_end(entries, "right", run.scene.right_input, by, along.data.right, along.data.right_input);

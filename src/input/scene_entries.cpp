@@ -288,6 +288,7 @@ void SceneEntries::read_series(const std::string& name, const SceneTable& table)
   request.variable = key.variables.front();
   request.jumps = key.leaf() != "motion";
   if (const auto powers = unit_powers(key.unit)) request.unit = unit_name(units, *powers);
+  if (key.unit == "1") request.unit = key.unit;  // a column with a unit is of another size
   request.place_unit = request.variable == 't' ? units.time : units.length;
   request.folder = folder();
   try {

@@ -85,12 +85,14 @@ std::optional<Load> load_of(const SceneEntries& entries, double length) {
 }
 
 // Nothing of a resistance that is zero.
-std::optional<SideResistance> resistance_of(const SceneEntries& entries) {
-  const auto function = [&](const char* key) {
-    const auto formula = entries.formula(key);
-    return formula && !formula->is_zero() ? formula->of_x() : SpaceFunction{};
+std::optional<SideResistance> resistance_of(const SceneEntries& entries, double length) {
+  SideResistance side;
+  const auto take = [&](const char* key, SpaceFunction& function, Places& places) {
+    if (const auto formula = entries.formula(key); formula && !formula->is_zero())
+      function = formula->of_x(), places = formula->places(length);
   };
-  SideResistance side{function("side.stiffness"), function("side.drag")};
+  take("side.stiffness", side.stiffness, side.stiffness_places);
+  take("side.drag", side.drag, side.drag_places);
   if (!side.stiffness && !side.drag) return std::nullopt;
   return side;
 }
@@ -138,7 +140,7 @@ Case case_of(SceneEntries& entries) {
   scene.load = load_of(entries, run.scene.bar.length);
   if (const auto section = entries.formula("bar.section"); section && !entries.faulty("bar.length"))
     scene.section = section->of_x(), scene.section_places = places("bar.section");
-  scene.side = resistance_of(entries);
+  scene.side = resistance_of(entries, scene.bar.length);
   scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
                  text("units.stress")};
 

@@ -238,6 +238,8 @@ class RecordedRun {
         record_.directory = directory_.path();
       });
     if (outcome().ending == Ending::completed) return;
+    if (!fs::exists(place_))
+      record_.directory = directory_.path();  // whole, and not yet in its place: the error says so
     // The text says what happened also where the file cannot.
     record_.summary = summary_json(scene_, system_, outcome(), written_);
     attempt(outcome(), [&] {

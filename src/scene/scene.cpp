@@ -125,10 +125,10 @@ Bar whole_of(const std::vector<Member>& chain) {
 std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right) {
   const auto& stop = left.stop ? left.stop : right.stop;
   if (!stop) return std::nullopt;
-  return Finding{stop->key(left.stop ? "left" : "right", "law"),
-                 fmt::format("\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave "
-                             "the law out",
-                             name(stop->law), method)};
+  return Finding{
+      stop->key(left.stop ? "left" : "right", "law"),
+      fmt::format("\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida{}, or leave the law out",
+                  name(stop->law), method, stop->linear() ? ", odeint or exponential" : " or odeint")};
 }
 
 std::vector<Finding> validate(const Scene& scene) {

@@ -144,6 +144,24 @@ TEST_F(Faults, WhatCannotBeRenamedOrSyncedFailsTheRunAndLosesNothing) {
   }
 }
 
+// A run that replaces a whole result, and cannot: the place that the message names is there.
+TEST_F(Faults, ARunThatCannotReplaceAResultNamesWhereItIs) {
+  const std::string words = "what this run reached is in ";
+  std::size_t named = 0;
+  for (int n = 1; n <= 16; ++n) {
+    fs::remove_all(scratch / "out");
+    ASSERT_EQ(run(command("cvode", "out"), ""), 0) << err();
+    if (run(command("cvode", "out"), "rename:" + std::to_string(n)) == 0) continue;
+    const std::string said = read_text(scratch / "out.txt") + err();
+    const std::size_t at = said.find(words);
+    named += at != said.npos;
+    EXPECT_TRUE(at == said.npos || fs::exists(scratch / "out/unfinished")) << n << ' ' << said;
+    EXPECT_TRUE(at != said.npos || said.find("the next command") != said.npos) << n << ' ' << said;
+    ASSERT_EQ(run({"info", "out", "--verify"}, ""), 0) << err();
+  }
+  EXPECT_GT(named, 0u);
+}
+
 // A study, or an export, replaces a whole result by a whole one, or leaves it, whatever fails once or for good.
 TEST_F(Faults, StudiesAndExportsReplaceAllOfTheirFilesOrNone) {
   std::ofstream(scratch / "data.csv") << "t,u_left\n0.5,0.1\n1,0.2\n1.5,0.1\n";

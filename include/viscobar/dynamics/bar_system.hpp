@@ -363,6 +363,9 @@ class BarSystem {
   /// Acceleration of the massive unknowns from a force: force <- (rho M)^{-1} force, zero at massless nodes.
   void accelerate(std::span<double> force) const;
 
+  /// k(x), or c(x), of a side for its nodes: their values there, or means over phi_i where k jumps or is too narrow for
+  /// the mesh.
+  std::vector<double> side_values(const SpaceFunction& f, const Places& places) const;
   /// 1 / (e . (rho M)^{-1} e) of every unknown, the mass with which a node answers to a force on it alone; 0 for
   /// massless ones.
   std::vector<double> effective_masses() const;
@@ -398,8 +401,8 @@ class BarSystem {
   double side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
   void add_masses();
   const std::vector<double>& rate_weights() const { return inverse_rate_.empty() ? inverse_spacing_ : inverse_rate_; }
-  std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places,
-                                 bool velocity) const;
+  enum class Moments { of_load, of_velocity, of_side };
+  std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places, Moments of) const;
   void take_elements(const Scene& scene);
   void take_joints(const Scene& scene);
   void start_from(std::vector<double> moments);

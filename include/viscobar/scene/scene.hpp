@@ -143,6 +143,7 @@ struct EndInput {
 struct SideResistance {
   SpaceFunction stiffness{};  ///< k >= 0, a stress per area of the side; empty: none
   SpaceFunction drag{};       ///< c >= 0; empty: none
+  Places stiffness_places{}, drag_places{};
 };
 
 /// How a member of a chain hangs together with the next.

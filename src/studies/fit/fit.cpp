@@ -117,7 +117,30 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
   return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 
-void judge(const FitStudy& study, const Minimum& best, FitResult& result) {
+// How many times as long as this step, one deviation by the derivatives, values may be changed before S has risen by
+// its variance; 1 where that is as far as they say. Beside a jump they know one side of a valley that is wide on the
+// other. Values where S is lower go to `lower`.
+double reach(Search& search, const FitStudy& study, const Minimum& best, const Eigen::VectorXd& step,
+             std::optional<Eigen::VectorXd>& lower) {
+  constexpr double widening = 4.0, farthest = 1e7;
+  const double variance = best.misfit.variance(step.size()), least = best.misfit.sum();
+  double before = 0.0, risen = 0.0;
+  for (double times = 1.0; times < farthest; times *= widening) {
+    const Eigen::VectorXd values = best.at + times * step;
+    for (Eigen::Index k = 0; k < step.size(); ++k)
+      if (values(k) < study.parameters[k].low || values(k) > study.parameters[k].high) return times;
+    const double rise = search.at(values, Compared::samples, false).sum() - least;
+    if (rise < -0.03 * variance && !lower) lower = values;
+    if (times == 1.0 && rise > 0.5 * variance) return 1.0;
+    if (!std::isfinite(rise)) return times;
+    if (rise >= variance) return before + (times - before) * (variance - risen) / (rise - risen);
+    before = times, risen = std::max(rise, 0.0);
+  }
+  return farthest;
+}
+
+// Values that meet the data better than the best, if it has come upon some.
+std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {
   const Eigen::Index n = std::ssize(study.parameters);
   const Misfit& misfit = best.misfit;
   const double variance = misfit.variance(n);
@@ -141,7 +164,8 @@ void judge(const FitStudy& study, const Minimum& best, FitResult& result) {
     result.parameters.push_back({parameter.key, best.at(k), none, bound});
     if (!bound) free.push_back(k);
   }
-  if (free.empty()) return;
+  std::optional<Eigen::VectorXd> lower;
+  if (free.empty()) return lower;
   const auto count = std::ssize(free);
   const Eigen::MatrixXd scaled = misfit.jacobian(Eigen::all, free) * scale(free).asDiagonal();
   const Eigen::JacobiSVD<Eigen::MatrixXd> factors(scaled, Eigen::ComputeFullV);
@@ -166,12 +190,18 @@ void judge(const FitStudy& study, const Minimum& best, FitResult& result) {
     result.undetermined.push_back(std::move(lack));
   }
   const Eigen::VectorXd moved = model_error(study, best, scaled, inverse, result);
+  Eigen::VectorXd longer = Eigen::VectorXd::Ones(count);
   for (Eigen::Index a = 0; a < count; ++a) {
     const FittedParameter& parameter = study.parameters[free[a]];
     Estimate& one = result.parameters[free[a]];
     if (!known[free[a]]) continue;
+    if (result.residual > small_residual) {  // noise is left, and not what runs are wrong by
+      Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+      step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
+      longer(a) = std::max({1.0, reach(search, study, best, step, lower), reach(search, study, best, -step, lower)});
+    }
     const double error = scale(free[a]) * moved(a);
-    const double deviation = std::hypot(scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
+    const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
     // A step of one deviation leaves the bounds, or what the parameter is large by.
     if (deviation > std::min(0.5 * (parameter.high - parameter.low),
                              10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)))) {
@@ -187,11 +217,12 @@ void judge(const FitStudy& study, const Minimum& best, FitResult& result) {
   for (Eigen::Index a = 0; a < count; ++a)
     for (Eigen::Index b = 0; b < count; ++b) {
       if (!known[free[a]] || !known[free[b]]) continue;
-      const double covariance = variance * scale(free[a]) * scale(free[b]) * inverse(a, b);
+      const double covariance = variance * longer(a) * scale(free[a]) * longer(b) * scale(free[b]) * inverse(a, b);
       const std::size_t at = static_cast<std::size_t>(free[a] * n + free[b]);
       result.covariance[at] = covariance + (a == b ? std::pow(result.model_errors[free[a]], 2) : 0.0);
       result.correlation[at] = inverse(a, b) / std::sqrt(inverse(a, a) * inverse(b, b));
     }
+  return lower;
 }
 
 void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
@@ -398,13 +429,20 @@ FitResult fit(const FitStudy& study) {
   }
   if (!found[best].converged && found.size() > study.starts)
     explained = begin_at(found[best].at, Compared::samples, study.most_runs);
+  if (!found[best].misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);
+  for (bool settled = false; !settled;) {
+    FitResult judged;
+    const auto lower = judge(search, study, found[best], judged);
+    const std::size_t before = best;
+    if (lower && search.runs < most_runs) begin_at(*lower, Compared::samples, few_runs);
+    settled = best == before;
+    if (settled) judged.sums = std::move(result.sums), result = std::move(judged);
+  }
   const Minimum& minimum = found[best];
-  if (!minimum.misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);
-  result.runs = search.runs;
+  result.runs += search.runs;
   result.iterations = minimum.iterations;
   result.converged = minimum.converged;
   result.reason = minimum.reason;
-  judge(study, minimum, result);
   doubt(study, found, minimum, result);
   result.traces = minimum.misfit.traces;
   result.changes = minimum.misfit.changes;
