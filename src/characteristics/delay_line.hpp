@@ -15,7 +15,7 @@ namespace viscobar::characteristics {
 /// arrives as it was sent, and a break bit for bit where it was; else the ends of two windows make one.
 class DelayLine {
  public:
-  explicit DelayLine(double delay = 1.0) : delay_(delay), whole_(std::floor(delay)), part_(delay - whole_) {
+  explicit DelayLine(double delay) : delay_(delay), whole_(std::floor(delay)), part_(delay - whole_) {
     constexpr double roundings = 16.0 * rounding;
     if (std::abs(delay - std::round(delay)) <= roundings * delay) delay_ = whole_ = std::round(delay), part_ = 0.0;
     windows_.resize(static_cast<std::size_t>(whole_) + (part_ > 0.0 ? 1 : 0));

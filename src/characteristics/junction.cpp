@@ -48,6 +48,7 @@ void Junction::fit(const TimeFunction& f, const NextBreak& breaks, const char* w
 
 void Junction::enter(std::size_t window) {
   k_ = window;
+  begin_ = now_;
   for (Input& input : inputs_) {
     const Body& body = bodies_[input.body];
     if (body.held)
@@ -77,7 +78,6 @@ double Junction::farthest() const {
 }
 
 void Junction::answer(double until, const Scale& scale) {
-  begin_ = now_;
   turns_.clear();
   for (Face& face : faces) face.sent.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -121,13 +121,11 @@ void Junction::answer(double until, const Scale& scale) {
     if (first && *first < 1.0)
       stop = *first > -1.0 ? std::min(end, std::max(s + 0.5 * (end - s) * (*first + 1.0), s + Piecewise::shortest)) : s;
     move(part, stop);
-    if (first) {
-      constexpr std::size_t most_repeated = 1000;
-      repeated_ = stop > s ? 0 : repeated_ + 1;
-      if (repeated_ > most_repeated)
-        throw StepFailure(Failure::toggling, "contacts open and close at one time without end");
-      turn(link, stop, part.z(stop), scale);
-    }
+    constexpr std::size_t most_repeated = 1000;
+    repeated_ = stop - s > 1e-13 ? 0 : repeated_ + 1;
+    if (repeated_ > most_repeated)
+      throw StepFailure(Failure::toggling, "contacts open and close at one time without end");
+    if (first) turn(link, stop, part.z(stop), scale);
     s = stop;
   }
   leave(until);
@@ -192,7 +190,7 @@ std::optional<double> Junction::change_of(std::size_t l, const Part& part, const
   const double from = part.z(part.begin), to = part.z(part.end), duration = window_ * (part.end - part.begin);
   const auto falls = [&](const Chebyshev& force) -> std::optional<double> {
     if (force.lower() >= -band) return std::nullopt;
-    ++searched_;
+    ++now_.searched;
     return first_descent(force.restricted(from, to), band);
   };
   if (memory.closed) return falls((1.0 / reference_) * sum(forces_[l]));
@@ -207,7 +205,7 @@ std::optional<double> Junction::change_of(std::size_t l, const Part& part, const
     return pushed && left ? std::min(pushed, left) : pushed ? pushed : left;
   }
   if (now > touch && now + duration * std::min(0.0, whole.lower()) >= -touch) return std::nullopt;
-  ++searched_;
+  ++now_.searched;
   return closing(whole.restricted(from, to), duration, now, scale);
 }
 
@@ -241,7 +239,7 @@ void Junction::move(const Part& part, double stop) {
     const double before = place(i);
     body.moved.append(stop, part.from, part.to, v);
     if (body.end) widen(now_.bodies[i], v.restricted(from, to), window_ * (stop - part.begin), before, place(i));
-    if (!body.held) now_.bodies[i].velocity = v(to);
+    if (!body.held && !states_.empty()) now_.bodies[i].velocity = v(to);
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {
     LinkMemory& memory = now_.links[l];
@@ -342,10 +340,10 @@ void Junction::leave(double until) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) now_.bodies[i].place = place(i);
   for (std::size_t l = 0; l < links_.size(); ++l)
     if (const auto held = tied(l) ? held_by(l) : std::nullopt) now_.bodies[held->first].place = held->second;
-  if (energetic_) {
-    const EnergyState so_far = energy_at(until);
-    now_.work = so_far.work, now_.dissipated = so_far.dissipated;
-  }
+  if (!energetic_) return;
+  const auto [work, dissipated] = flow(until);
+  now_.work += work, now_.dissipated += dissipated;
+  for (const Turn& turn : turns_) now_.dissipated += turn.lost;
 }
 
 }  // namespace viscobar::characteristics

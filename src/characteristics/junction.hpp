@@ -82,7 +82,6 @@ class Junction {
     double lost;       ///< energy
   };
   const std::vector<Turn>& turns() const { return turns_; }  ///< of the window, in order
-  std::size_t searched() const { return searched_; }         ///< pieces, for turns
 
   struct Link {
     Kind kind;
@@ -128,12 +127,15 @@ class Junction {
     std::vector<BodyMemory> bodies;
     std::vector<LinkMemory> links;
     double work = 0.0, dissipated = 0.0, error = 0.0;  // the last one a velocity, of F and V
+    std::size_t searched = 0;                          // pieces, for turns
     static void members(auto& memory, auto&& each) {
-      each(memory.bodies, memory.links, memory.work, memory.dissipated, memory.error);
+      each(memory.bodies, memory.links, memory.work, memory.dissipated, memory.error, memory.searched);
     }
   };
   const Memory& memory() const { return now_; }
-  void restore(const Memory& memory);
+  /// The memory at the beginning of the window, from which restore() goes on.
+  static void members(auto& junction, auto&& each) { each(junction.begin_); }
+  void restore();
   void keep_energy() { energetic_ = true; }  ///< work and dissipation are asked for
 
  private:
@@ -225,7 +227,7 @@ class Junction {
   std::vector<double> breaks_;
   Memory now_, begin_;
   bool energetic_ = false, flows_ = false;
-  std::size_t searched_ = 0, repeated_ = 0;
+  std::size_t repeated_ = 0;
   std::vector<Turn> turns_;
   std::vector<Mark> clearances_, places_;
   std::vector<double> grounds_;  // places of all bodies at the start

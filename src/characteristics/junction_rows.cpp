@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "characteristics/junction.hpp"
+#include "run/archive.hpp"
 
 namespace viscobar::characteristics {
 
@@ -96,8 +97,10 @@ void Junction::finish() {
   start_states();
 }
 
-void Junction::restore(const Memory& memory) {
-  now_ = begin_ = memory;
+void Junction::restore() {
+  if (begin_.bodies.size() != bodies_.size() || begin_.links.size() != links_.size())
+    throw ArchiveError("has another length");
+  now_ = begin_;
   for (std::size_t i = 0; i < bodies_.size(); ++i) places_[i] = {now_.bodies[i].place, 0.0};
   for (std::size_t l = 0; l < links_.size(); ++l) clearances_[l] = {now_.links[l].clearance, 0.0};
   for (Body& body : bodies_) body.moved.clear();

@@ -59,7 +59,6 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
   junctions_ = junctions_of(scene_, bars_, window_, times.front(), &data_, &places_);
   if (observers_.energy)
     for (Junction& junction : junctions_) junction.keep_energy();
-  at_begin_.resize(junctions_.size());
   gained_.resize(loads_.size());
   if (std::isfinite(most_work))
     for (const auto& load : loads_) load->most_rough = rough_awaited;
@@ -112,7 +111,7 @@ Statistics Run::reached() {
     velocity_error += load->errors.arrivals + load->errors.looked_at;
   }
   for (const Junction& junction : junctions_) {
-    statistics_.event_evaluations += junction.searched();
+    statistics_.event_evaluations += junction.memory().searched;
     velocity_error += junction.memory().error;
   }
   for (const InitialData& data : data_)
@@ -134,13 +133,13 @@ void Run::fail(Failure why, const std::string& what) {
 
 void Run::go_on(const Checkpoint& checkpoint) {
   restore(*this, checkpoint, times_, observers_);
-  if (nodes_ != mesh_.nodes() || lines_.size() != bars_.size() || at_begin_.size() != junctions_.size())
+  if (nodes_ != mesh_.nodes())
     throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
   for (std::size_t b = 0; b < loads_.size(); ++b) {
     if (k_ > 0 && !loads_[b]->steady()) loads_[b]->enter(k_ - 1);
     loads_[b]->errors = gain_errors_begin_[b];
   }
-  for (std::size_t j = 0; j < junctions_.size(); ++j) junctions_[j].restore(at_begin_[j]);
+  for (Junction& junction : junctions_) junction.restore();
   now_ = begin_;
   next_output_ = checkpoint.outputs;
   skip_ = told_;
@@ -158,9 +157,7 @@ void Run::enter() {
     junctions_[b].faces.back().arriving = arriving(b, true, until);
     junctions_[b + 1].faces.front().arriving = arriving(b, false, until);
   }
-  for (std::size_t j = 0; j < junctions_.size(); ++j) {
-    Junction& junction = junctions_[j];
-    at_begin_[j] = junction.memory();
+  for (Junction& junction : junctions_) {
     junction.enter(k_);
     // Waves that are only carried and sent back grow no larger.
     if (k_ == 0 || !loads_.empty() || junctions_.size() > 2 || junction.driven()) {
@@ -275,27 +272,31 @@ void Run::tell(const Told& event) {
   telling_.told(told);
 }
 
-Field Run::field(std::size_t b, double s, double t) {
-  const LoadGain* load = loads_.empty() ? nullptr : loads_[b].get();
-  if (load) loads_[b]->look(s);
-  const Junction &left = junctions_[b], &right = junctions_[b + 1];
-  return Field({lines_[b].rightward, left.faces.back().sent}, {lines_[b].leftward, right.faces.front().sent},
-               load ? &load->rightward() : nullptr, load ? &load->leftward() : nullptr, s,
-               left.displacement_at(left.faces.back().body, s, t),
-               right.displacement_at(right.faces.front().body, s, t), bars_[b].transit());
+std::vector<Field> Run::fields(double s, double t) {
+  std::vector<Field> all;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    LoadGain* load = loads_.empty() ? nullptr : loads_[b].get();
+    if (load) load->look(s);
+    const Junction &left = junctions_[b], &right = junctions_[b + 1];
+    all.emplace_back(Field::Sent{lines_[b].rightward, sent_right(b)}, Field::Sent{lines_[b].leftward, sent_left(b)},
+                     load ? &load->rightward() : nullptr, load ? &load->leftward() : nullptr, s,
+                     left.displacement_at(left.faces.back().body, s, t),
+                     right.displacement_at(right.faces.front().body, s, t), bars_[b].transit());
+  }
+  return all;
 }
 
 void Run::tell_output() {
   const double t = times_[next_output_++];
   if (!observers_.snapshot) return;
   const double s = std::clamp(part_at(t), 0.0, sent_right(0).end());
+  std::vector<Field> now = fields(s, t);
   for (std::size_t b = 0; b < bars_.size(); ++b) {
-    Field now = field(b, s, t);
     const viscobar::Piece& piece = pieces_[bars_[b].member];
     for (std::size_t i = 0; i < piece.mesh.nodes(); ++i) {
       const double place = piece.mesh.node(i) / piece.mesh.length;
-      u_[piece.first + i] = now.displacement(place);
-      v_[piece.first + i] = now.velocity(place);
+      u_[piece.first + i] = now[b].displacement(place);
+      v_[piece.first + i] = now[b].velocity(place);
     }
   }
   joint_forces_.clear();
@@ -315,7 +316,7 @@ void Run::tell_output() {
         (j == 0 ? snapshot.reaction_left : snapshot.reaction_right) = junction.sign(l) * junction.force_at(l, s);
   }
   snapshot.joint_forces = joint_forces_;
-  if (observers_.energy) snapshot.energy = energy_at(s, t);
+  if (observers_.energy) snapshot.energy = energy_at(s, now);
   telling_.snapshot(snapshot);
 }
 

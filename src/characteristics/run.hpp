@@ -67,8 +67,8 @@ class Run {
 
   /// Content of a checkpoint: the state at the beginning of its window, and how much of the window has been told.
   static void members(auto& run, auto&& each) {
-    each(run.nodes_, run.k_, run.lines_, run.at_begin_, run.begin_, run.gain_errors_begin_, run.initial_moment_,
-         run.told_, run.largest_);
+    each(run.nodes_, run.k_, std::span(run.lines_), std::span(run.junctions_), run.begin_, run.gain_errors_begin_,
+         run.initial_moment_, run.told_, run.largest_);
   }
 
  private:
@@ -138,7 +138,7 @@ class Run {
 
   // The most terms of a polynomial in the field.
   std::size_t most_terms(std::size_t bar) const;
-  EnergyState energy_at(double s, double t);
+  EnergyState energy_at(double s, std::vector<Field>& fields);
 
   void merge_turns();
 
@@ -150,7 +150,7 @@ class Run {
   double time_of(const Told& event) const { return std::clamp(time_at(event.turn.s), t_, times_.back()); }
 
   void tell(const Told& event);
-  Field field(std::size_t bar, double s, double t);
+  std::vector<Field> fields(double s, double t);
   void tell_output();
   void finish();
 
@@ -175,8 +175,7 @@ class Run {
   std::vector<Line> lines_;
   std::vector<std::vector<BodyPlace>> places_;
   std::vector<Junction> junctions_;
-  std::vector<Junction::Memory> at_begin_;  // at the beginning of the window
-  std::vector<viscobar::Piece> pieces_;     // of the mesh; none without snapshots
+  std::vector<viscobar::Piece> pieces_;  // of the mesh; none without snapshots
 
   std::size_t k_ = 0, last_window_ = 0;
   std::vector<Gained> gained_;

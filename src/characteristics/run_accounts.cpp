@@ -167,11 +167,11 @@ std::size_t Run::most_terms(std::size_t bar) const {
   return most;
 }
 
-EnergyState Run::energy_at(double s, double t) {
+EnergyState Run::energy_at(double s, std::vector<Field>& fields) {
   EnergyState energy;
   energy.work = -initial_moment_;
   for (std::size_t b = 0; b < bars_.size(); ++b) {
-    Field now = field(b, s, t);
+    Field& now = fields[b];
     const std::vector<double> breaks = breaks_at(b, s);
     const std::size_t points = std::min<std::size_t>(most_terms(b), 36);
     const auto energy_of = [&](double sign) {
@@ -197,7 +197,9 @@ void Run::finish() {
   t_ = times_.back();
   statistics_.completed = true;
   if (!statistics_.energy) return;
-  const EnergyState energy = energy_at(sent_right(0).end(), t_);
+  const double s = sent_right(0).end();
+  std::vector<Field> now = fields(s, t_);
+  const EnergyState energy = energy_at(s, now);
   statistics_.energy->final = energy.total();
   statistics_.energy->dissipated = energy.dissipated;
   statistics_.energy->work = energy.work;
