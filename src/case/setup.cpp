@@ -155,7 +155,7 @@ AutomaticMethod automatic_method(const Case& run) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
-  // Of a chain a dashpot at a joint alone has whole_of() damped.
+  // A dashpot at a joint is enough for whole_of() a chain to be damped.
   const bool viscous = scene.chain.empty()
                            ? scene.bar.viscosity > 0.0
                            : std::ranges::any_of(scene.chain, [](const Member& m) { return m.bar.viscosity > 0.0; });

@@ -22,7 +22,7 @@ class DelayLine {
   }
 
   double delay() const { return delay_; }
-  /// What has been sent j windows ago, 1 <= j <= windows().
+  /// The waves sent j windows ago, 1 <= j <= windows().
   const Piecewise& before(std::size_t j) const { return windows_[(newest_ + j - 1) % windows_.size()]; }
   std::size_t windows() const { return windows_.size(); }
 
@@ -43,7 +43,7 @@ class DelayLine {
     }
   }
 
-  /// What arrives in this window; valid until the next call.
+  /// The waves that arrive in this window; valid until the next call.
   const Piecewise& arriving() {
     if (part_ == 0.0) return before(windows_.size());
     arriving_.clear();

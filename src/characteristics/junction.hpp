@@ -68,7 +68,7 @@ class Junction {
   void enter(std::size_t window);
   /// Largest |w_i|, |F| / Z, |V|, and velocity of a mass in this window.
   double bound() const;
-  /// What the faces send up to s = until.
+  /// Finds the waves that the faces send up to s = until.
   void answer(double until, const Scale& scale);
 
   /// Contact change.
@@ -93,7 +93,7 @@ class Junction {
     bool touches() const { return kind == Kind::contact || kind == Kind::stop; }
   };
   const std::vector<Link>& links() const { return links_; }
-  /// Of N as a force on the end of the chain, in the direction of u.
+  /// The sign of N as a force on the end of the chain, in the direction of u.
   double sign(std::size_t link) const { return bodies_[links_[link].b].held ? -1.0 : 1.0; }
   bool is_end(std::size_t body) const { return bodies_[body].end; }
   /// True if it is more than faces, obstacles and fixed ends.
@@ -232,7 +232,7 @@ class Junction {
   std::vector<Mark> clearances_, places_;
   std::vector<double> grounds_;  // places of all bodies at the start
 
-  // Of the present states of the links.
+  // All that holds while no link changes.
   std::vector<std::size_t> group_;  // of each body, by its first one
   std::vector<StateOf> states_;
   Rows velocities_, forces_, rates_, watched_;  // of bodies, links, states; k d + c d' of stops

@@ -1,4 +1,4 @@
-// What a junction tells of itself within a window.
+// Displacements, forces and energies of a junction within a window.
 #include <cmath>
 #include <tuple>
 

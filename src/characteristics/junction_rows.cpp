@@ -174,7 +174,7 @@ void Junction::add_push(std::size_t body, double factor, double* row) const {
     if (inputs_[i].body == body && !bodies_[body].held) row[faces.size() + i] += factor;
 }
 
-// Of a group without mass (sum Z + c + sum of c of links) v - sum of c v_other = sum Z w + F +- sum of k d.
+// A group without mass has (sum Z + c + sum of c of links) v - sum of c v_other = sum Z w + F +- sum of k d.
 void Junction::find_velocities() {
   const std::size_t n = bodies_.size(), columns = faces.size() + inputs_.size() + states_.size();
   velocities_.resize(n, columns);

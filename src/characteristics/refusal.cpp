@@ -26,7 +26,7 @@ bool varies(const Member& member) {
   return false;
 }
 
-// What a bar or member has that changes waves on their way; `table` is bar, or bar.2.
+// A bar whose waves change on their way; `table` is bar, or bar.2.
 std::optional<Finding> bar_refusal(const std::string& table, const Bar& bar, bool section) {
   if (bar.viscosity > 0.0)
     return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and {}.viscosity = {} changes "

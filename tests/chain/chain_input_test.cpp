@@ -45,7 +45,10 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
     EXPECT_NE(wrong.find(words), std::string::npos) << words << "\n" << wrong;
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
   says(pair, "bar.5: there are 2 tables [[bar]]", {"bar.5.modulus=4"});
-  says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
+  says(pair, "method.name: characteristics carries waves unchanged, and bar.2.viscosity = 0.1",
+       {"method.name=characteristics", "bar.2.viscosity=0.1"});
+  says(pair, "bar.2.section: is not for characteristics", {"method.name=characteristics", "bar.2.section=1+x"});
+  says(pair, "load.density: depends on time", {"method.name=characteristics", "load.density=sin(t)"});
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
   says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -194,11 +193,11 @@ TEST(ChainWaves, ASpringToTheGroundAndASoftStop) {
                              {100.0, 0.0, 2.016783469900, 1.999482883923},
                              {10.0, 0.5, 2.1456760359, 1.9539388418},
                              {3.0, 0.5, 2.4820842402, 1.8484490369}}) {
-    const Followed run = followed(
-        fmt::format("[bar]\nlength = 1.0\n[initial]\ndisplacement = 0.0\nvelocity = -1.0\n[left]\nkind = \"obstacle\"\n"
-                    "gap = 0.0\ncontact = {{ law = \"spring_damper\", stiffness = {}, damping = {} }}\n[mesh]\nelements = 4\n[time]\n"
-                    "end = 3.9\n",
-                    truth.stiffness, truth.damping));
+    const Followed run = followed(fmt::format(
+        "[bar]\nlength = 1.0\n[initial]\ndisplacement = 0.0\nvelocity = -1.0\n[left]\nkind = \"obstacle\"\n"
+        "gap = 0.0\ncontact = {{ law = \"spring_damper\", stiffness = {}, damping = {} }}\n[mesh]\nelements = 4\n[time]\n"
+        "end = 3.9\n",
+        truth.stiffness, truth.damping));
     ASSERT_EQ(run.events.size(), 2U) << truth.stiffness;
     EXPECT_NEAR(run.events[1].time, truth.end, 1e-10) << truth.stiffness;
     EXPECT_NEAR(run.statistics.account->left.impulse, truth.impulse, 1e-10) << truth.stiffness;
