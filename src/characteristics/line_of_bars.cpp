@@ -57,16 +57,12 @@ std::vector<Junction> junctions_of(const Scene& scene, const std::vector<LineBar
   for (std::size_t m = 0; m < members; ++m) {
     const bool rigid = !scene.chain.empty() && scene.chain[m].rigid();
     at_body(m, false);
-    const auto add_left_end = [&] {
-      if (m == 0) junctions.back().add_end(body, scene.left, scene.left_input, false);
-    };
+    if (m == 0) junctions.back().add_end(body, scene.left, scene.left_input, false);
     if (rigid) {
-      add_left_end();
       junctions.back().add_mass(body, scene.chain[m].mass, data ? scene.chain[m].velocity(0.0) : 0.0,
                                 fmt::format("bar.{}.mass", m + 1));
     } else {
       junctions.back().add_face(body, bars[bar].impedance());
-      add_left_end();
       junctions.emplace_back(window, start);
       if (places) places->emplace_back();
       there = false;
