@@ -247,8 +247,8 @@ void check_chain(const Setup& setup, Findings& findings) {
     const Joint& joint = scene.chain[k].joint;
     if (joint.kind != JointKind::contact) continue;
     const MethodName method = run.method;
-    const bool taken = method == MethodName::exponential ? !joint.stop || joint.stop->linear()
-                                                         : !joint.stop || method_row(method).takes_laws;
+    const bool linear_only = method == MethodName::exponential || method == MethodName::characteristics;
+    const bool taken = !joint.stop || (linear_only ? joint.stop->linear() : method_row(method).takes_laws);
     if (!taken && findings.sound({"method.name"}))
       findings.report(
           joint.stop->key(fmt::format("joint.{}", k + 1), "law"),

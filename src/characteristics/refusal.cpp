@@ -48,6 +48,10 @@ std::optional<Finding> chain_refusal(const Scene& scene) {
     return Finding{"method.name",
                    "characteristics follows the waves of bars, and there are rigid bodies alone; use "
                    "fully_discrete"};
+  for (std::size_t m = 0; m + 1 < chain.size(); ++m)
+    if (const auto& stop = chain[m].joint.stop; chain[m].joint.kind == JointKind::contact && stop && !stop->linear())
+      return Finding{stop->key(fmt::format("joint.{}", m + 1), "law"),
+                     fmt::format("\"{}\" is no law for characteristics, which has linear ones alone", name(stop->law))};
   if (scene.load && !std::holds_alternative<SteadyLoad>(*scene.load))
     return Finding{"load.density",
                    "depends on time, which characteristics takes on one bar alone; for several in line "
