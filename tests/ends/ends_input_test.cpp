@@ -51,7 +51,8 @@ TEST(EndKeys, WithValuesOutOfRangeAreRefused) {
 
 TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   const std::string mounted = "[left]\nkind = \"obstacle\"\ngap = 0.1\nstiffness = 1\n";
-  expect_mistake(scene(mounted, "[mesh]\nmass = \"redistributed\"\n"), "mesh.mass", "use \"fourth_order\"");
+  expect_mistake(scene(mounted, "[mesh]\nmass = \"redistributed\"\n[method]\nname = \"rigid\"\n"), "mesh.mass",
+                 "use \"fourth_order\"");
   expect_mistake(scene("[left]\nkind = \"free\"\nstiffness = 1e5\n", "[method]\nname = \"characteristics\"\n"),
                  "left.stiffness", "use rigid");
   expect_mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"0.1+t\"\n[span]\ngap = 1"), "left.gap",
