@@ -290,7 +290,6 @@ void Junction::turn(std::size_t l, double s, double z, const Scale& scale) {
     turns_.push_back(told);
   }
   arrange();
-  start_states();
   if (told.change == Change::opening) turns_.back().velocity = velocity();
 }
 

@@ -94,7 +94,6 @@ void Junction::finish() {
   for (const Face& face : faces) reference_ = std::min(reference_, bodies_[face.body].impedance);
   begin_ = now_;
   arrange();
-  start_states();
 }
 
 void Junction::restore() {
@@ -105,7 +104,6 @@ void Junction::restore() {
   for (std::size_t l = 0; l < links_.size(); ++l) clearances_[l] = {now_.links[l].clearance, 0.0};
   for (Body& body : bodies_) body.moved.clear();
   arrange();
-  start_states();
 }
 
 // Dashpots and faces slow masses down, springs swing them and move faces that have none.
@@ -146,6 +144,7 @@ void Junction::arrange() {
       states_.push_back({true, l});
   find_velocities();
   find_forces();
+  start_states();
 }
 
 double Junction::mass_of(std::size_t group) const {
