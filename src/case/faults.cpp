@@ -234,11 +234,10 @@ void check_chain(const Setup& setup, Findings& findings) {
     refuse((right ? scene.chain.back() : scene.chain.front()).rigid() && !std::holds_alternative<Free>(end),
            right ? "right.kind" : "left.kind", "a fixed end or an obstacle at a rigid body");
   }
-  if (run.method == MethodName::characteristics || run.method == MethodName::finite_difference)
+  if (run.method == MethodName::finite_difference)
     findings.report("method.name",
-                    "{} takes one bar; for several in line use rigid, arkode, cvode, ida, odeint, "
-                    "exponential or fully_discrete",
-                    name(run.method));
+                    "finite_difference takes one bar; for several in line use rigid, arkode, cvode, ida, odeint, "
+                    "exponential, characteristics or fully_discrete");
   if ((setup.mass == Mass::redistributed || setup.mass == Mass::paper) && findings.sound({"mesh.mass", "method.name"}))
     findings.report("mesh.mass",
                     "\"{}\" does not fit several bars in line; use \"fourth_order\", \"consistent\" or "
@@ -248,21 +247,30 @@ void check_chain(const Setup& setup, Findings& findings) {
     const Joint& joint = scene.chain[k].joint;
     if (joint.kind != JointKind::contact) continue;
     const MethodName method = run.method;
-    const bool taken = method == MethodName::exponential ? !joint.stop || joint.stop->linear()
-                                                         : !joint.stop || method_row(method).takes_laws;
+    const bool linear_only = method == MethodName::exponential || method == MethodName::characteristics;
+    const bool taken = !joint.stop || (linear_only ? joint.stop->linear() : method_row(method).takes_laws);
     if (!taken && findings.sound({"method.name"}))
       findings.report(
           joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
           "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "
           "out",
           name(joint.stop->law), name(method));
+    const bool rigid = scene.chain[k].rigid() && scene.chain[k + 1].rigid();
+    if (method == MethodName::characteristics) {
+      if (rigid && run.restitution.value_or(0.0) > 0.0)
+        findings.report("contact.restitution",
+                        "is {}, and between rigid bodies characteristics knows impacts without rebound alone; leave it "
+                        "out, or use fully_discrete",
+                        *run.restitution);
+      continue;
+    }
     if (method != MethodName::fully_discrete && !touches_bar(scene.chain, k))
       findings.report(joint_key(k + 1, "kind"),
                       "is between two rigid bodies without a bar, which {} does not take yet; use fully_discrete",
                       name(method));
     if (method != MethodName::rigid) continue;
     refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
-    if (scene.chain[k].rigid() && scene.chain[k + 1].rigid() && touches_bar(scene.chain, k))
+    if (rigid && touches_bar(scene.chain, k))
       findings.report(joint_key(k + 1, "kind"),
                       "is between two rigid bodies, which rigid does not take yet; use cvode with a contact.epsilon");
   }
@@ -330,6 +338,7 @@ void check_exponential(const Case& run, Findings& findings) {
 
 void check_characteristics(const Case& run, Findings& findings) {
   if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
+  if (!run.scene.chain.empty() && !validate(run.scene).empty()) return;
   if (const auto why = refusal(run.scene, run.end, Characteristics{})) findings.add({*why});
 }
 

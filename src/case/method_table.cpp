@@ -81,7 +81,7 @@ constexpr MethodRow rows[] = {
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},
      .options = [](const Setup&) -> Method { return Characteristics{}; },
-     .mass = consistent},
+     .mass = consistent, .takes_laws = true},
     {.method = MethodName::fully_discrete, .name = "fully_discrete",
      .meaning = "the paper's scheme (2.8), implicit in the constraint",
      .penalised = false, .accuracy = Accuracy::step, .seconds = step_of_scheme,

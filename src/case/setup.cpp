@@ -144,35 +144,41 @@ double natural_epsilon(const Scene& scene) {
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
-  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k) {
+  MethodName meshed = MethodName::rigid;
+  for (std::size_t k = 0; k + 1 < scene.chain.size() && meshed == MethodName::rigid; ++k) {
     const bool contact = scene.chain[k].joint.kind == JointKind::contact;
-    if (contact && !touches_bar(scene.chain, k)) return {MethodName::fully_discrete, ""};
-    if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) return {MethodName::cvode, ""};
+    if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) meshed = MethodName::cvode;
+    if (contact && !touches_bar(scene.chain, k)) meshed = MethodName::fully_discrete;
   }
   if (run.epsilon || has_stops(scene)) {
+    if (meshed != MethodName::rigid) return {meshed, ""};
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
   }
-  if (scene.bar.viscosity > 0.0 || !scene.chain.empty()) return {MethodName::rigid, ""};
+  // A dashpot at a joint is enough for whole_of() a chain to be damped.
+  const bool viscous = scene.chain.empty()
+                           ? scene.bar.viscosity > 0.0
+                           : std::ranges::any_of(scene.chain, [](const Member& m) { return m.bar.viscosity > 0.0; });
+  if (viscous) return {meshed, ""};
   if (!validate(scene).empty()) return {MethodName::characteristics, ""};
-  const auto rigid_because = [](const std::string& why) {
+  const auto meshed_because = [meshed](const std::string& why) {
     return AutomaticMethod{
-        MethodName::rigid,
-        fmt::format("automatic chose rigid, which has the errors of a mesh, and not characteristics: {}", why)};
+        meshed, fmt::format("automatic chose {}, which has the errors of a mesh, and not characteristics: {}",
+                            name(meshed), why)};
   };
   try {
     if (const auto time = roughens(scene, run.end))
-      return rigid_because(fmt::format(
+      return meshed_because(fmt::format(
           "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
           "follows such a motion for long: a positive bar.viscosity has a smooth one",
           *time));
   } catch (const Unfit& unfit) {
-    return rigid_because(unfit.finding.key + " " + unfit.finding.problem);
+    return meshed_because(unfit.finding.key + " " + unfit.finding.problem);
   } catch (const std::invalid_argument& misfit) {
-    return rigid_because(misfit.what());
+    return meshed_because(misfit.what());
   } catch (const IntegrationError& error) {
     // Another failure of the load is one that each method meets.
-    if (error.failure == Failure::detail) return rigid_because(error.what());
+    if (error.failure == Failure::detail) return meshed_because(error.what());
   }
   return {MethodName::characteristics, ""};
 }

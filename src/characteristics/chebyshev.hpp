@@ -56,6 +56,8 @@ class Chebyshev {
 
   /// Leaves out last coefficients that sum up to at most `tolerance`; returns that sum.
   double chop(double tolerance);
+  /// Leaves out all but the first ones.
+  void cut(std::size_t terms) { terms_ = terms < terms_ ? terms : terms_; }
 
  private:
   double spread() const;

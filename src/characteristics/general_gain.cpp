@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "characteristics/load_gain.hpp"
+#include "discretisation/gauss.hpp"
 
 namespace viscobar::characteristics {
 

@@ -11,7 +11,7 @@ namespace viscobar::characteristics {
 
 namespace {
 
-std::function<double(double)> checked(const SpaceFunction& f, double length, const char* key) {
+std::function<double(double)> checked(const SpaceFunction& f, double length, const std::string& key) {
   return [&f, length, key](double place) {
     const double x = length * place;
     double value = 0.0;
@@ -49,11 +49,17 @@ double refuse_jumps(const Piecewise& u, double length) {
 
 }  // namespace
 
-InitialData initial_data(const Scene& scene) {
-  const Bar& bar = scene.bar;
+InitialData initial_data(const Scene& scene, const LineBar& bar) {
   InitialData data;
   PiecewiseFit fit;
-  const auto fitted = [&](const SpaceFunction& f, const Places& places, const char* key) -> const Piecewise& {
+  const Member* member = scene.chain.empty() ? nullptr : &scene.chain[bar.member];
+  const auto fitted = [&](bool velocity, const SpaceFunction& f, Places places) -> const Piecewise& {
+    const std::string_view what = velocity ? "velocity" : "displacement";
+    const std::string key =
+        member ? fmt::format("the initial {} of bar {}", what, bar.member + 1) : fmt::format("initial.{}", what);
+    if (member)
+      for (NextBreak* one : {&places.breaks, &places.detail})
+        if (*one) *one = along(*one, bar.begin);
     const std::vector<double> breaks = shares_of(places.breaks, bar.length),
                               guards = shares_of(places.detail, bar.length);
     try {
@@ -62,11 +68,11 @@ InitialData initial_data(const Scene& scene) {
       throw std::invalid_argument(fmt::format("{}: {}", key, error.what()));
     }
   };
-  data.displacement = fitted(scene.displacement, scene.displacement_places, "initial.displacement");
+  data.displacement = fitted(false, member ? member->displacement : scene.displacement, scene.displacement_places);
   data.displacement_error = fit.error() + refuse_jumps(data.displacement, bar.length);
-  data.velocity = fitted(scene.velocity, scene.velocity_places, "initial.velocity");
+  data.velocity = fitted(true, member ? member->velocity : scene.velocity, scene.velocity_places);
   data.velocity_error = fit.error();
-  const double factor = std::sqrt(bar.modulus / bar.density) / bar.length;
+  const double factor = bar.speed / bar.length;
   for (std::size_t i = 0; i < data.displacement.size(); ++i) {
     const Piecewise::Piece& piece = data.displacement[i];
     data.strain_velocity.append(piece.end, piece, factor / piece.half * data.displacement.polynomial(i).derivative());

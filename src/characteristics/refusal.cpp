@@ -1,27 +1,90 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <utility>
+#include <variant>
 
+#include "characteristics/run.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
 
-std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
-  const Bar& bar = scene.bar;
-  if (auto law = law_refusal("characteristics", scene.left_input, scene.right_input)) return law;
+namespace {
+
+// A(x) that varies anywhere that one looks.
+bool varies(const Member& member) {
+  if (!member.section) return false;
+  constexpr int places = 200;
+  const auto inside = [&](const NextBreak& breaks) { return breaks && breaks(0.0, member.bar.length); };
+  if (inside(member.section_places.breaks) || inside(member.section_places.detail)) return true;
+  for (int k = 1; k <= places; ++k)
+    if (member.section(member.bar.length * k / places) != member.section(0.0)) return true;
+  return false;
+}
+
+// A bar whose waves change on their way; `table` is bar, or bar.2.
+std::optional<Finding> bar_refusal(const std::string& table, const Bar& bar, bool section) {
   if (bar.viscosity > 0.0)
-    return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and bar.viscosity = {} changes "
+    return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and {}.viscosity = {} changes "
                                               "them; use rigid, or one of the penalised methods",
-                                              bar.viscosity)};
-  if (!scene.chain.empty())
-    return Finding{"method.name", "characteristics takes one bar; for several in line use rigid"};
-  if (scene.section)
-    return Finding{"bar.section",
+                                              table, bar.viscosity)};
+  if (section)
+    return Finding{table + ".section",
                    "is not for characteristics: a section that varies reflects waves at every place; use "
                    "rigid, or fully_discrete"};
+  return std::nullopt;
+}
+
+std::optional<Finding> chain_refusal(const Scene& scene) {
+  const std::vector<Member>& chain = scene.chain;
+  for (std::size_t m = 0; m < chain.size(); ++m)
+    if (!chain[m].rigid())
+      if (auto why = bar_refusal(fmt::format("bar.{}", m + 1), chain[m].bar, varies(chain[m]))) return why;
+  if (std::ranges::all_of(chain, &Member::rigid))
+    return Finding{"method.name",
+                   "characteristics follows the waves of bars, and there are rigid bodies alone; use "
+                   "fully_discrete"};
+  for (std::size_t m = 0; m + 1 < chain.size(); ++m)
+    if (const auto& stop = chain[m].joint.stop; chain[m].joint.kind == JointKind::contact && stop && !stop->linear())
+      return Finding{stop->key(fmt::format("joint.{}", m + 1), "law"),
+                     fmt::format("\"{}\" is no law for characteristics, which has linear ones alone", name(stop->law))};
+  if (scene.load && !std::holds_alternative<SteadyLoad>(*scene.load))
+    return Finding{"load.density",
+                   "depends on time, which characteristics takes on one bar alone; for several in line "
+                   "use rigid, or one of the penalised methods"};
+  return std::nullopt;
+}
+
+// Masses and springs are followed by pieces of two of their own times.
+std::optional<Finding> rate_refusal(const Scene& scene) {
+  constexpr double most_rate = 1e3;
+  const std::vector<characteristics::LineBar> bars = characteristics::bars_of(scene);
+  const double window = characteristics::window_of(bars);
+  for (const characteristics::Junction& junction :
+       characteristics::junctions_of(scene, bars, window, 0.0, nullptr, nullptr))
+    if (const auto [rate, key] = junction.fastest(); rate > most_rate)
+      return Finding{key, fmt::format("makes for a motion that is over {:.2g} times while a wave crosses {}, and "
+                                      "characteristics follows none that is faster than {:.2g}; {}, or use rigid",
+                                      rate, scene.chain.empty() ? "the bar" : "the shortest bar", most_rate,
+                                      key.ends_with("mass") ? "leave the mass out" : "take a contact or a bond")};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
+  for (const EndInput* input : {&scene.left_input, &scene.right_input})
+    if (input->stop && !input->stop->linear())
+      return law_refusal("characteristics", scene.left_input, scene.right_input);
+  if (scene.chain.empty()) {
+    if (auto why = bar_refusal("bar", scene.bar, static_cast<bool>(scene.section))) return why;
+  } else if (auto why = chain_refusal(scene)) {
+    return why;
+  }
   if (scene.side)
     return Finding{scene.side->stiffness ? "side.stiffness" : "side.drag",
                    "is not for characteristics: what resists along the bar changes its waves as they travel; use "
@@ -31,24 +94,11 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
         "method.name",
         "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
         "fully_discrete, or one of the penalised methods"};
-  if (scene.left_input.stiffness != 0.0 || scene.right_input.stiffness != 0.0)
-    return Finding{scene.left_input.stiffness != 0.0 ? "left.stiffness" : "right.stiffness",
-                   "is not for characteristics: a spring remembers what has arrived, and waves return as no "
-                   "polynomials; use rigid, or fully_discrete"};
-  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}}) {
-    if (input->mass == 0.0) continue;
-    if (input->motion)
+  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}})
+    if (input->mass > 0.0 && input->motion)
       return Finding{key,
                      "is not for characteristics where the obstacle before it moves; use rigid, or fully_discrete"};
-    // It is followed by pieces in which it lags by at most two of its own times.
-    constexpr double least_share = 1e-3;
-    const double impedance = std::sqrt(bar.density * bar.modulus), share = input->mass / (bar.density * bar.length);
-    if (share < least_share * (1.0 + input->dashpot / impedance))
-      return Finding{key,
-                     fmt::format("is {:.2g} of the bar's mass, and characteristics follows none below {:.2g}; leave "
-                                 "it out, or use rigid",
-                                 share, least_share * (1.0 + input->dashpot / impedance))};
-  }
+  if (auto why = rate_refusal(scene)) return why;
   for (const auto& [input, condition, key] :
        {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {
     if (!input->motion || !input->motion->breaks) continue;
@@ -62,12 +112,14 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
                        fmt::format("jumps at t = {}, and characteristics does not follow it; use rigid", *at)};
     }
   }
-  const double passages = end * std::sqrt(bar.modulus / bar.density) / bar.length;
+  const double passages = end / characteristics::window_of(characteristics::bars_of(scene));
   if (!(passages <= Characteristics::most_passages))
-    return Finding{"time.end",
-                   fmt::format("characteristics follows a wave from passage to passage through the bar, here {:.2g} of "
-                               "them, at most {:.0g}; choose an earlier end",
-                               passages, Characteristics::most_passages)};
+    return Finding{
+        "time.end",
+        fmt::format("characteristics follows a wave from passage to passage through {}, here {:.2g} of them, at most "
+                    "{:.0g}; choose an earlier end{}",
+                    scene.chain.empty() ? "the bar" : "the shortest bar", passages, Characteristics::most_passages,
+                    scene.chain.empty() ? "" : ", or a rigid body for a bar so short")};
   return std::nullopt;
 }
 

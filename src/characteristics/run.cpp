@@ -13,9 +13,27 @@ namespace viscobar::characteristics {
 
 namespace {
 
-constexpr std::size_t rough_awaited = 3'000;  // evaluations for one passage, by a look ahead
+constexpr std::size_t rough_awaited = 3'000;  // evaluations for one window, by a look ahead
+
+std::unique_ptr<LoadGain> load_of(const Scene& scene, const LineBar& line, double start, double end) {
+  const Bar bar{line.length, line.density, line.density * line.speed * line.speed, 0.0};
+  if (line.begin == 0.0) return LoadGain::of(*scene.load, bar, line.transit(), start, end);
+  // Along the chain; see refusal().
+  SteadyLoad load = std::get<SteadyLoad>(*scene.load);
+  load.profile = [profile = load.profile, begin = line.begin](double x) { return profile(begin + x); };
+  for (NextBreak* places : {&load.places.breaks, &load.places.detail})
+    if (*places) *places = along(*places, line.begin);
+  return LoadGain::of(load, bar, line.transit(), start, end);
+}
 
 }  // namespace
+
+NextBreak along(const NextBreak& places, double begin) {
+  return [places, begin](double after, double until) -> std::optional<double> {
+    const auto at = places(begin + after, begin + until);
+    return at ? std::optional(*at - begin) : std::nullopt;
+  };
+}
 
 Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span<const double> times,
          const Characteristics& method, const Observers& observers, double most_work)
@@ -26,30 +44,31 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
       method_(method),
       most_work_(most_work),
       from_(from),
-      passage_(scene.bar.length / std::sqrt(scene.bar.modulus / scene.bar.density)),
-      impedance_(std::sqrt(scene.bar.modulus * scene.bar.density)),
       statistics_(from ? from->statistics : Statistics{}),
       load_evaluations_before_(statistics_.load_evaluations),
       telling_(observers, statistics_),
       t_(from ? from->time : times.front()),
       schedule_(observers, times, t_),
-      data_(initial_data(scene_)),
-      left_(end_of(scene_.left, scene_.left_input, {data_.displacement(0, 0.0), data_.velocity(0, 0.0)})),
-      right_(end_of(
-          scene_.right, scene_.right_input,
-          {data_.displacement(data_.displacement.size() - 1, 1.0), data_.velocity(data_.velocity.size() - 1, 1.0)})) {
-  if (scene.load) load_ = LoadGain::of(*scene_.load, scene.bar, passage_, times.front(), times.back());
-  if (load_ && std::isfinite(most_work)) load_->most_rough = rough_awaited;
-  if (observers_.snapshot) u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
-  const double until = (times.back() - times.front()) / passage_;
-  last_passage_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
-  if (last_passage_ > 0 && until - static_cast<double>(last_passage_) < least_passage) --last_passage_;
-}
-
-Run::BarEnd Run::end_of(const EndCondition& condition, const EndInput& input, const End::Start& data) const {
-  const DrivenEnd driven(input, impedance_, passage_, times_.front());
-  const BarEnd::Memory start{End(condition, data, passage_, driven.rate())};
-  return {start, start, driven};
+      bars_(bars_of(scene_)),
+      window_(window_of(bars_)) {
+  for (const LineBar& bar : bars_) {
+    data_.push_back(initial_data(scene_, bar));
+    lines_.push_back({DelayLine(bar.transit() / window_), DelayLine(bar.transit() / window_)});
+    if (scene.load) loads_.push_back(load_of(scene_, bar, times.front(), times.back()));
+  }
+  junctions_ = junctions_of(scene_, bars_, window_, times.front(), &data_, &places_);
+  if (observers_.energy)
+    for (Junction& junction : junctions_) junction.keep_energy();
+  gained_.resize(loads_.size());
+  if (std::isfinite(most_work))
+    for (const auto& load : loads_) load->most_rough = rough_awaited;
+  if (observers_.snapshot) {
+    u_.resize(mesh.nodes()), v_.resize(mesh.nodes());
+    pieces_ = pieces_of(scene_, mesh_);
+  }
+  const double until = (times.back() - times.front()) / window_;
+  last_window_ = static_cast<std::size_t>(std::max(0.0, std::ceil(until) - 1.0));
+  if (last_window_ > 0 && until - static_cast<double>(last_window_) < least_window) --last_window_;
 }
 
 PartEnd Run::operator()() {
@@ -60,8 +79,8 @@ PartEnd Run::operator()() {
       begin();
     for (;; ++k_) {
       enter();
-      if (auto end = tell_passage()) return std::move(*end);
-      if (k_ == last_passage_) break;
+      if (auto end = tell_window()) return std::move(*end);
+      if (k_ == last_window_) break;
       leave();
       if (worked() > most_work_) return reached();
     }
@@ -76,22 +95,34 @@ PartEnd Run::operator()() {
   return reached();
 }
 
+double Run::worked() const {
+  double work = carried_;
+  for (const auto& load : loads_) work += work_of_evaluation * static_cast<double>(load->evaluations());
+  return work;
+}
+
 Statistics Run::reached() {
   statistics_.reached_time = t_;
-  statistics_.load_evaluations = load_ ? load_evaluations_before_ + load_->evaluations() : 0;
-  statistics_.event_evaluations = left_.now.end.searched() + right_.now.end.searched();
+  statistics_.load_evaluations = load_evaluations_before_;
+  statistics_.event_evaluations = 0;
+  double velocity_error = now_.error, displacement_error = 0.0;
+  for (const auto& load : loads_) {
+    statistics_.load_evaluations += load->evaluations();
+    velocity_error += load->errors.arrivals + load->errors.looked_at;
+  }
+  for (const Junction& junction : junctions_) {
+    statistics_.event_evaluations += junction.memory().searched;
+    velocity_error += junction.memory().error;
+  }
+  for (const InitialData& data : data_)
+    velocity_error += data.velocity_error, displacement_error += data.displacement_error;
   statistics_.unknowns = largest_;
   telling_.count_seconds();
-  if (statistics_.account) {
-    account(statistics_.account->left, left_);
-    account(statistics_.account->right, right_);
-  }
+  account();
   const double duration = t_ - times_.front();
-  const double passages = static_cast<double>(k_) + 1.0;
-  const double velocity_error = data_.velocity_error + now_.error + left_.driven.error() + right_.driven.error() +
-                                (load_ ? load_->errors.arrivals + load_->errors.looked_at : 0.0);
-  statistics_.representation = {data_.displacement_error + duration * velocity_error,
-                                rounding * passages * (now_.place_scale + duration * now_.velocity_scale),
+  const double windows = static_cast<double>(k_) + 1.0;
+  statistics_.representation = {displacement_error + duration * velocity_error,
+                                rounding * windows * (now_.place_scale + duration * now_.velocity_scale),
                                 now_.velocity_scale};
   return statistics_;
 }
@@ -104,80 +135,91 @@ void Run::go_on(const Checkpoint& checkpoint) {
   restore(*this, checkpoint, times_, observers_);
   if (nodes_ != mesh_.nodes())
     throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
-  if (load_ && k_ > 0 && !load_->steady()) load_->enter(k_ - 1);
-  if (load_) load_->errors = gain_errors_begin_;
-  for (BarEnd* end : {&left_, &right_}) end->now = end->begin;
+  for (std::size_t b = 0; b < loads_.size(); ++b) {
+    if (k_ > 0 && !loads_[b]->steady()) loads_[b]->enter(k_ - 1);
+    loads_[b]->errors = gain_errors_begin_[b];
+  }
+  for (Junction& junction : junctions_) junction.restore();
   now_ = begin_;
   next_output_ = checkpoint.outputs;
   skip_ = told_;
 }
 
 void Run::enter() {
-  for (BarEnd* end : {&left_, &right_}) end->begin = end->now;
   begin_ = now_;
-  if (load_) gain_errors_begin_ = load_->errors;
-  const double until = last() ? std::clamp(part_at(times_.back()), least_passage, 1.0) : 1.0;
-  if (load_) load_->enter(k_);
-  answer(left_, right_.sent_before, load_ ? &load_->arriving_left() : nullptr, until);
-  answer(right_, left_.sent_before, load_ ? &load_->arriving_right() : nullptr, until);
-  now_.error += left_.sent.left_out() + right_.sent.left_out();
-  largest_ = std::max(largest_, left_.sent.coefficients() + right_.sent.coefficients());
+  gain_errors_begin_.clear();
+  for (const auto& load : loads_) {
+    gain_errors_begin_.push_back(load->errors);
+    load->enter(k_);
+  }
+  const double until = last() ? std::clamp(part_at(times_.back()), least_window, 1.0) : 1.0;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    junctions_[b].faces.back().arriving = arriving(b, true, until);
+    junctions_[b + 1].faces.front().arriving = arriving(b, false, until);
+  }
+  for (Junction& junction : junctions_) {
+    junction.enter(k_);
+    // Waves that are only carried and sent back grow no larger.
+    if (k_ == 0 || !loads_.empty() || junctions_.size() > 2 || junction.driven()) {
+      const double bound = junction.bound();
+      if (!std::isfinite(bound)) throw not_finite();
+      now_.velocity_scale = std::max(now_.velocity_scale, bound);
+    }
+    now_.place_scale = std::max(now_.place_scale, junction.farthest());
+  }
+  std::size_t coefficients = 0;
+  for (Junction& junction : junctions_) {
+    junction.answer(until, {now_.place_scale + window_ * now_.velocity_scale, now_.velocity_scale});
+    for (const Junction::Face& face : junction.faces) {
+      now_.error += face.sent.left_out();
+      coefficients += face.sent.coefficients();
+    }
+  }
+  largest_ = std::max(largest_, coefficients);
   merge_turns();
 }
 
-void Run::answer(BarEnd& end, const Piecewise& sent, const Piecewise* gain, double until) {
-  const Piecewise* arriving = &sent;
-  if (gain) {
-    combine(sent, 1.0, *gain, 1.0, arriving_);
-    arriving = &arriving_;
-    if (observers_.energy && !load_->steady()) now_.work += arrived_work(sent, *gain, until);
-  }
-  const auto measure = [&](const Piecewise& waves) {
-    const double bound = waves.bound();
-    if (!std::isfinite(bound)) throw not_finite();
-    now_.velocity_scale = std::max(now_.velocity_scale, bound);
-  };
-  if (gain || k_ == 0) measure(*arriving);
-  now_.place_scale = std::max(now_.place_scale, std::abs(end.now.end.place()));
-  const auto answer = [&](const Piecewise& to, Piecewise& by) {
-    end.now.end.answer(to, until, {now_.place_scale + passage_ * now_.velocity_scale, now_.velocity_scale}, by);
-  };
-  if (!end.driven.active()) return answer(*arriving, end.sent);
-  end.driven.enter(k_);
-  const Piecewise& relative = end.driven.relative(*arriving);
-  measure(relative);
-  answer(relative, end.moved_if_driven);
-  end.driven.send(end.now.end, end.moved_if_driven, *arriving, end.sent);
-  if (observers_.energy || observers_.account) end.driven.add(end.now.end, end.moved_if_driven, end.now.driven);
+const Piecewise* Run::arriving(std::size_t bar, bool at_left, double until) {
+  const Piecewise& sent = (at_left ? lines_[bar].leftward : lines_[bar].rightward).arriving();
+  if (loads_.empty()) return &sent;
+  const Piecewise& gain = at_left ? loads_[bar]->arriving_left() : loads_[bar]->arriving_right();
+  Piecewise& sum = at_left ? gained_[bar].at_left : gained_[bar].at_right;
+  combine(sent, 1.0, gain, 1.0, sum);
+  if (observers_.energy && !loads_[bar]->steady()) now_.work += arrived_work(bar, sent, gain, until);
+  return &sum;
 }
 
 void Run::leave() {
   constexpr double of_time = 1e-8;  // a longer piece is no rounding of a time
   const double tolerance = 8.0 * rounding * now_.velocity_scale, negligible = 64.0 * rounding * now_.velocity_scale;
-  for (BarEnd* end : {&left_, &right_}) {
-    if (end->sent.size() <= 2 * end->simplified + 8) continue;
-    now_.error += simplify(end->sent, tolerance, negligible, of_time, arriving_) + end->sent.left_out();
-    end->simplified = end->sent.size();
-    if (end->simplified > method_.most_pieces)
-      fail(
-          Failure::detail,
-          fmt::format("{} contact changes have broken the waves into more than {} pieces, and each passage breaks them "
-                      "further: there is no end of the detail that the exact motion has",
-                      statistics_.events, method_.most_pieces));
-  }
-  carried_ += static_cast<double>(left_.sent.size() + right_.sent.size());
-  for (BarEnd* end : {&left_, &right_}) std::swap(end->sent, end->sent_before);
+  for (std::size_t b = 0; b < bars_.size(); ++b)
+    for (const bool rightward : {true, false}) {
+      Piecewise& sent = rightward ? junctions_[b].faces.back().sent : junctions_[b + 1].faces.front().sent;
+      std::size_t& simplified = lines_[b].simplified[rightward ? 0 : 1];
+      carried_ += static_cast<double>(sent.size());
+      if (sent.size() > 2 * simplified + 8) {
+        now_.error += simplify(sent, tolerance, negligible, of_time, scratch_) + sent.left_out();
+        simplified = sent.size();
+        if (simplified > method_.most_pieces)
+          fail(Failure::detail, fmt::format("{} contact changes{} have broken the waves into more than {} pieces, and "
+                                            "each passage breaks them further: there is no end of the detail that the "
+                                            "exact motion has",
+                                            statistics_.events, bars_.size() > 1 ? " and the bars' interfaces" : "",
+                                            method_.most_pieces));
+      }
+      (rightward ? lines_[b].rightward : lines_[b].leftward).leave(sent);
+    }
 }
 
 void Run::merge_turns() {
   events_.clear();
-  for (const Turn& turn : left_.now.end.turns()) events_.push_back({turn, Where::left});
-  for (const Turn& turn : right_.now.end.turns()) events_.push_back({turn, Where::right});
+  for (std::size_t j = 0; j < junctions_.size(); ++j)
+    for (const Junction::Turn& turn : junctions_[j].turns()) events_.push_back({turn, j});
   std::ranges::stable_sort(events_, {}, [](const Told& event) { return event.turn.s; });
   told_ = 0;
 }
 
-std::optional<PartEnd> Run::tell_passage() {
+std::optional<PartEnd> Run::tell_window() {
   told_ = std::exchange(skip_, 0);
   const double end = last() ? times_.back() : std::min(time_at(1.0), times_.back());
   if (k_ == 0 && next_output_ == 0) tell_events(times_.front(), true);
@@ -210,46 +252,70 @@ void Run::tell_events(double t, bool and_at) {
 void Run::tell(const Told& event) {
   ++statistics_.events;
   if (!observers_.event && !statistics_.account) return;
-  const bool at_left = event.where == Where::left;
-  const BarEnd& end = at_left ? left_ : right_;
-  const double t = time_of(event), velocity = event.turn.velocity + end.driven.velocity(t);
-  Event told{t, event.where, at_left ? 0 : mesh_.elements, event.turn.change, velocity};
+  const Junction::Link& link = junctions_[event.junction].links()[event.turn.link];
+  const bool at_left = event.junction == 0;
+  Event told{time_of(event),
+             link.joint > 0 ? Where::joint
+             : at_left      ? Where::left
+                            : Where::right,
+             link.joint > 0 ? link.joint
+             : at_left      ? 0
+                            : mesh_.elements,
+             event.turn.change, event.turn.velocity};
   if (statistics_.account) {
-    Cursor along(end.moved());
-    told.impulse = impedance_ * end.driven.force_factor() * passage_ * end.now.end.impulse_at(event.turn.s, along);
+    if (link.joint == 0) {
+      told.impulse = junctions_[event.junction].sign(event.turn.link) * event.turn.impulse;
+      if (told.change == Change::opening) told.peak = peak_of(event.junction, event.turn.link, event.turn.peak);
+    }
     statistics_.account->count(told);
-    if (told.change == Change::opening) told.peak = peak_of(end, event.turn.peak);
   }
   telling_.told(told);
 }
 
-Field Run::field(double s, double t) {
-  if (load_) load_->look(s);
-  return Field({left_.sent, left_.sent_before, right_.sent, right_.sent_before, load_ ? &load_->rightward() : nullptr,
-                load_ ? &load_->leftward() : nullptr},
-               s, left_.displacement_at(s, t), right_.displacement_at(s, t), passage_);
+std::vector<Field> Run::fields(double s, double t) {
+  std::vector<Field> all;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    LoadGain* load = loads_.empty() ? nullptr : loads_[b].get();
+    if (load) load->look(s);
+    const Junction &left = junctions_[b], &right = junctions_[b + 1];
+    all.emplace_back(Field::Sent{lines_[b].rightward, sent_right(b)}, Field::Sent{lines_[b].leftward, sent_left(b)},
+                     load ? &load->rightward() : nullptr, load ? &load->leftward() : nullptr, s,
+                     left.displacement_at(left.faces.back().body, s, t),
+                     right.displacement_at(right.faces.front().body, s, t), bars_[b].transit());
+  }
+  return all;
 }
 
 void Run::tell_output() {
   const double t = times_[next_output_++];
   if (!observers_.snapshot) return;
-  const double s = std::clamp(part_at(t), 0.0, left_.sent.end());
-  Field now = field(s, t);
-  for (std::size_t j = 0; j < u_.size(); ++j) {
-    const double place = mesh_.node(j) / mesh_.length;
-    u_[j] = now.displacement(place);
-    v_[j] = now.velocity(place);
+  const double s = std::clamp(part_at(t), 0.0, sent_right(0).end());
+  std::vector<Field> now = fields(s, t);
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    const viscobar::Piece& piece = pieces_[bars_[b].member];
+    for (std::size_t i = 0; i < piece.mesh.nodes(); ++i) {
+      const double place = piece.mesh.node(i) / piece.mesh.length;
+      u_[piece.first + i] = now[b].displacement(place);
+      v_[piece.first + i] = now[b].velocity(place);
+    }
   }
+  joint_forces_.clear();
   Snapshot snapshot{t, u_, v_};
-  const auto tell_end = [&](const BarEnd& end, double& u, double& v, double& reaction) {
-    Cursor along(end.moved());
-    u = end.displacement_at(s, t);
-    v = end.now.end.velocity_at(s, along) + end.driven.velocity(t);
-    reaction = impedance_ * end.driven.force_factor() * end.now.end.force_at(s, along);
-    now_.place_scale = std::max(now_.place_scale, std::abs(u));
-  };
-  tell_end(left_, u_.front(), v_.front(), snapshot.reaction_left);
-  tell_end(right_, u_.back(), v_.back(), snapshot.reaction_right);
+  for (std::size_t j = 0; j < junctions_.size(); ++j) {
+    const Junction& junction = junctions_[j];
+    for (const BodyPlace& place : places_[j]) {
+      const std::size_t node = place.right ? pieces_[place.member].last() : pieces_[place.member].first;
+      u_[node] = junction.displacement_at(place.body, s, t);
+      v_[node] = junction.velocity_at(place.body, s, t);
+      now_.place_scale = std::max(now_.place_scale, std::abs(u_[node]));
+    }
+    for (std::size_t l = 0; l < junction.links().size(); ++l)
+      if (const Junction::Link& link = junction.links()[l]; link.joint > 0)
+        joint_forces_.push_back(junction.force_at(l, s));
+      else if (link.kind != Junction::Kind::spring)
+        (j == 0 ? snapshot.reaction_left : snapshot.reaction_right) = junction.sign(l) * junction.force_at(l, s);
+  }
+  snapshot.joint_forces = joint_forces_;
   if (observers_.energy) snapshot.energy = energy_at(s, now);
   telling_.snapshot(snapshot);
 }
@@ -262,7 +328,7 @@ namespace {
 
 // Work of a look ahead: a few tenths of a second.
 constexpr std::size_t pieces_awaited = 10'000;
-constexpr double work_awaited = 1e6;  // in pieces that are carried through a passage
+constexpr double work_awaited = 1e6;  // in pieces that are carried through a window
 
 void require(const Scene& scene, std::span<const double> times, const Characteristics& method) {
   require_times(times);

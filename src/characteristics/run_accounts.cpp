@@ -28,58 +28,88 @@ void add_breaks(const Piecewise& f, std::vector<double>& breaks) {
 
 }  // namespace
 
-double Run::moment(std::vector<double> breaks, auto&& displacement) const {
-  const Piecewise& gain = load_->rightward();
+double Run::moment(std::size_t bar, std::vector<double> breaks, auto&& displacement) const {
+  const Piecewise& gain = loads_[bar]->rightward();
   add_breaks(gain, breaks);
-  add_breaks(data_.displacement, breaks);
+  add_breaks(data_[bar].displacement, breaks);
   std::size_t i = 0;
-  return impedance_ * integral(std::move(breaks), [&](double place) {
+  return bars_[bar].impedance() * integral(std::move(breaks), [&](double place) {
            while (i + 1 < gain.size() && gain[i].end <= place) ++i;
            while (i > 0 && gain[i].begin > place) --i;
            return gain.polynomial(i).derivative()(gain[i].z(place)) / gain[i].half * displacement(place);
          });
 }
 
-void Run::account(EndAccount& account, const BarEnd& bar_end) const {
-  const auto& [end, driven] = bar_end.now;
-  account.displacement = end.displacement() + bar_end.driven.displacement(t_);
-  std::tie(account.lowest, account.highest) = end.range();
-  if (bar_end.driven.moves()) account.lowest = driven.lowest, account.highest = driven.highest;
-  account.impulse = impedance_ * bar_end.driven.force_factor() * passage_ * end.impulse();
-  account.peak_reaction = impedance_ * bar_end.driven.force_factor() * end.max_reaction();
-  account.latest = peak_of(bar_end, end.latest());
+ContactPeak Run::peak_of(std::size_t junction, std::size_t link, const ContactPeak& latest) const {
+  return {junctions_[junction].sign(link) * latest.reaction,
+          std::clamp(time_at(latest.time), times_.front(), times_.back())};
+}
+
+void Run::account() {
+  if (!statistics_.account) return;
+  RunAccount& account = *statistics_.account;
+  for (std::size_t j = 0; j < junctions_.size(); ++j) {
+    const Junction& junction = junctions_[j];
+    const Junction::Memory& memory = junction.memory();
+    for (std::size_t i = 0; i < memory.bodies.size(); ++i) {
+      if (!junction.is_end(i)) continue;
+      EndAccount& end = j == 0 ? account.left : account.right;
+      end.displacement = memory.bodies[i].place;
+      end.lowest = memory.bodies[i].lowest, end.highest = memory.bodies[i].highest;
+    }
+    for (std::size_t l = 0; l < junction.links().size(); ++l) {
+      const Junction::Link& link = junction.links()[l];
+      if (!link.touches()) continue;
+      const Junction::LinkMemory& of_link = memory.links[l];
+      if (link.joint > 0) {
+        if (account.joints.size() < link.joint) account.joints.resize(link.joint);
+        account.joints[link.joint - 1].impulse = of_link.impulse;
+        account.joints[link.joint - 1].peak_reaction = of_link.peak_force;
+        continue;
+      }
+      EndAccount& end = j == 0 ? account.left : account.right;
+      end.impulse = junction.sign(l) * of_link.impulse;
+      end.peak_reaction = of_link.peak_force;
+      end.latest = peak_of(j, l, of_link.latest);
+    }
+  }
 }
 
 void Run::begin() {
-  // The waves on their way at the start, as if the ends had sent them in the passage before.
-  Piecewise rightward, leftward;
-  combine(data_.velocity, 1.0, data_.strain_velocity, -1.0, rightward);
-  combine(data_.velocity, 1.0, data_.strain_velocity, 1.0, leftward);
-  if (load_ && load_->steady()) {
-    combine(Piecewise(rightward), 1.0, load_->rightward(), -1.0, rightward);
-    combine(Piecewise(leftward), 1.0, load_->leftward(), -1.0, leftward);
-  }
-  left_.sent_before = mirrored(rightward);
-  right_.sent_before = leftward;
-  now_.place_scale = data_.displacement.bound();
-  now_.velocity_scale = std::max(data_.velocity.bound(), data_.strain_velocity.bound());
   if (observers_.account) statistics_.account.emplace();
-  if (observers_.energy) {
+  if (observers_.energy) statistics_.energy.emplace();
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    // The waves on their way at the start, as if the faces had sent them before.
+    const InitialData& data = data_[b];
+    Piecewise rightward, leftward;
+    combine(data.velocity, 1.0, data.strain_velocity, -1.0, rightward);
+    combine(data.velocity, 1.0, data.strain_velocity, 1.0, leftward);
+    if (!loads_.empty() && loads_[b]->steady()) {
+      combine(Piecewise(rightward), 1.0, loads_[b]->rightward(), -1.0, rightward);
+      combine(Piecewise(leftward), 1.0, loads_[b]->leftward(), -1.0, leftward);
+    }
+    lines_[b].rightward.fill(mirrored(rightward));
+    lines_[b].leftward.fill(leftward);
+    now_.place_scale = std::max(now_.place_scale, data.displacement.bound());
+    now_.velocity_scale = std::max({now_.velocity_scale, data.velocity.bound(), data.strain_velocity.bound()});
+    if (!observers_.energy) continue;
     std::vector<double> breaks;
-    for (const Piecewise* f : {&rightward, &leftward, &data_.velocity, &data_.strain_velocity}) add_breaks(*f, breaks);
-    Cursor v(data_.velocity), e(data_.strain_velocity);
-    statistics_.energy.emplace().initial =
-        0.5 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
-          const double of_velocity = v.value(place), of_strain = e.value(place);
-          return of_velocity * of_velocity + of_strain * of_strain;
-        });
-    statistics_.energy->initial += kinetic(left_, v.value(0.0)) + kinetic(right_, v.value(1.0));
-    if (load_ && load_->steady())
-      initial_moment_ = moment({}, [u = Cursor(data_.displacement)](double place) mutable { return u.value(place); });
+    for (const auto* f : {&std::as_const(rightward), &std::as_const(leftward), &data.velocity, &data.strain_velocity})
+      add_breaks(*f, breaks);
+    Cursor v(data.velocity), e(data.strain_velocity);
+    statistics_.energy->initial += 0.5 * bars_[b].mass() * integral(breaks, [&](double place) {
+                                     const double of_velocity = v.value(place), of_strain = e.value(place);
+                                     return of_velocity * of_velocity + of_strain * of_strain;
+                                   });
+    if (!loads_.empty() && loads_[b]->steady())
+      initial_moment_ +=
+          moment(b, {}, [u = Cursor(data.displacement)](double place) mutable { return u.value(place); });
   }
+  if (observers_.energy)
+    for (const Junction& junction : junctions_) statistics_.energy->initial += junction.energy_at(0.0).total();
 }
 
-double Run::arrived_work(const Piecewise& sent, const Piecewise& gain, double until) const {
+double Run::arrived_work(std::size_t bar, const Piecewise& sent, const Piecewise& gain, double until) const {
   double sum = 0.0;
   for_common_pieces(sent, gain, until, [&](double from, double to, std::size_t i, std::size_t j) {
     const Chebyshev w = sent.polynomial(i), g = gain.polynomial(j);
@@ -89,67 +119,76 @@ double Run::arrived_work(const Piecewise& sent, const Piecewise& gain, double un
       sum += half * weight * gained * (2.0 * w(sent[i].z(s)) + gained);
     }
   });
-  return 0.25 * scene_.bar.density * scene_.bar.length * sum;
+  return 0.25 * bars_[bar].mass() * sum;
 }
 
-std::vector<double> Run::breaks_at(double s) const {
-  std::vector<double> breaks{s, 1.0 - s};
-  const auto add = [&](const Piecewise& sent, auto&& place) {
-    for (std::size_t i = 0; i < sent.size(); ++i) breaks.push_back(place(sent[i].begin));
+std::vector<double> Run::breaks_at(std::size_t bar, double s) const {
+  std::vector<double> breaks;
+  const auto add = [&](const DelayLine& line, const Piecewise& now, bool rightward) {
+    for (std::size_t j = 0; j <= line.windows(); ++j) {
+      const Piecewise& sent = j == 0 ? now : line.before(j);
+      for (std::size_t i = 0; i < sent.size(); ++i) {
+        const double way = (static_cast<double>(j) + s - sent[i].begin) / line.delay();
+        breaks.push_back(rightward ? way : 1.0 - way);
+      }
+    }
   };
-  add(left_.sent, [s](double begin) { return s - begin; });
-  add(right_.sent, [s](double begin) { return 1.0 - (s - begin); });
-  add(left_.sent_before, [s](double begin) { return 1.0 + s - begin; });
-  add(right_.sent_before, [s](double begin) { return begin - s; });
-  if (load_) {
-    add_breaks(load_->rightward(), breaks);
-    add_breaks(load_->leftward(), breaks);
+  add(lines_[bar].rightward, sent_right(bar), true);
+  add(lines_[bar].leftward, sent_left(bar), false);
+  if (!loads_.empty()) {
+    add_breaks(loads_[bar]->rightward(), breaks);
+    add_breaks(loads_[bar]->leftward(), breaks);
   }
   std::erase_if(breaks, [](double place) { return !(place > 0.0 && place < 1.0); });
   return breaks;
 }
 
-double Run::work_at(double s, Field& now, const std::vector<double>& breaks) const {
-  if (load_->steady()) return moment(breaks, [&](double place) { return now.displacement(place); }) - initial_moment_;
-  Cursor right_gain(load_->rightward()), left_gain(load_->leftward());
-  const double arrived = begin_.work + arrived_work(right_.sent_before, load_->arriving_left(), s) +
-                         arrived_work(left_.sent_before, load_->arriving_right(), s);
-  return arrived + 0.25 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
+double Run::work_at(std::size_t bar, double s, Field& now, const std::vector<double>& breaks) const {
+  const LoadGain& load = *loads_[bar];
+  if (load.steady()) return moment(bar, breaks, [&](double place) { return now.displacement(place); });
+  Cursor right_gain(load.rightward()), left_gain(load.leftward());
+  const double arrived = begin_.work + arrived_work(bar, lines_[bar].leftward.before(1), load.arriving_left(), s) +
+                         arrived_work(bar, lines_[bar].rightward.before(1), load.arriving_right(), s);
+  return arrived + 0.25 * bars_[bar].mass() * integral(breaks, [&](double place) {
                      const double g = right_gain.value(place), h = left_gain.value(place);
                      return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
                    });
 }
 
-std::size_t Run::most_terms() const {
-  std::vector<const Piecewise*> parts{&left_.sent, &right_.sent, &left_.sent_before, &right_.sent_before};
-  if (load_) parts.insert(parts.end(), {&load_->rightward(), &load_->leftward()});
+std::size_t Run::most_terms(std::size_t bar) const {
   std::size_t most = 1;
-  for (const Piecewise* f : parts)
-    for (std::size_t i = 0; i < f->size(); ++i) most = std::max<std::size_t>(most, (*f)[i].terms);
+  const auto see = [&](const Piecewise& f) {
+    for (std::size_t i = 0; i < f.size(); ++i) most = std::max<std::size_t>(most, f[i].terms);
+  };
+  see(sent_right(bar)), see(sent_left(bar));
+  for (const DelayLine* line : {&lines_[bar].rightward, &lines_[bar].leftward})
+    for (std::size_t j = 1; j <= line->windows(); ++j) see(line->before(j));
+  if (!loads_.empty()) see(loads_[bar]->rightward()), see(loads_[bar]->leftward());
   return most;
 }
 
-EnergyState Run::energy_at(double s, Field& now) const {
-  const std::vector<double> breaks = breaks_at(s);
-  const std::size_t points = std::min<std::size_t>(most_terms(), 36);
-  const auto energy_of = [&](double sign) {
-    const auto square = [&](double place) {
-      const double sum = now.rightward(place) + sign * now.leftward(place);
-      return sum * sum;
-    };
-    return 0.125 * scene_.bar.density * scene_.bar.length * integral(breaks, square, points);
-  };
+EnergyState Run::energy_at(double s, std::vector<Field>& fields) {
   EnergyState energy;
-  energy.kinetic = energy_of(1.0);
-  energy.elastic = energy_of(-1.0);
-  if (load_) energy.work = work_at(s, now, breaks);
-  for (const BarEnd* end : {&left_, &right_}) {
-    if (!end->driven.active()) continue;
-    Cursor along(end->moved());
-    energy.kinetic += kinetic(*end, end->now.end.velocity_at(s, along));
-    const DrivenEnd::Flow since = end->driven.flow(end->now.end, end->moved(), s);
-    energy.work += end->begin.driven.work + since.work;
-    energy.dissipated += end->begin.driven.dissipated + since.dissipated;
+  energy.work = -initial_moment_;
+  for (std::size_t b = 0; b < bars_.size(); ++b) {
+    Field& now = fields[b];
+    const std::vector<double> breaks = breaks_at(b, s);
+    const std::size_t points = std::min<std::size_t>(most_terms(b), 36);
+    const auto energy_of = [&](double sign) {
+      const auto square = [&](double place) {
+        const double sum = now.rightward(place) + sign * now.leftward(place);
+        return sum * sum;
+      };
+      return 0.125 * bars_[b].mass() * integral(breaks, square, points);
+    };
+    energy.kinetic += energy_of(1.0);
+    energy.elastic += energy_of(-1.0);
+    if (!loads_.empty()) energy.work += work_at(b, s, now, breaks);
+  }
+  for (const Junction& junction : junctions_) {
+    const EnergyState own = junction.energy_at(s);
+    energy.kinetic += own.kinetic, energy.elastic += own.elastic, energy.contact += own.contact;
+    energy.work += own.work, energy.dissipated += own.dissipated;
   }
   return energy;
 }
@@ -158,22 +197,12 @@ void Run::finish() {
   t_ = times_.back();
   statistics_.completed = true;
   if (!statistics_.energy) return;
-  const double s = left_.sent.end();
-  Field now = field(s, t_);
-  const std::vector<double> breaks = breaks_at(s);
-  EnergyAccount& energy = *statistics_.energy;
-  energy.final = 0.25 * scene_.bar.density * scene_.bar.length * integral(breaks, [&](double place) {
-                   const double a = now.rightward(place), b = now.leftward(place);
-                   return a * a + b * b;
-                 });
-  for (const BarEnd* end : {&left_, &right_}) {
-    Cursor along(end->moved());
-    energy.final += kinetic(*end, end->now.end.velocity_at(s, along));
-  }
-  const DrivenEnd::Account &left = left_.now.driven, &right = right_.now.driven;
-  energy.dissipated = left.dissipated + right.dissipated;
-  energy.work = left.work + right.work;
-  if (load_) energy.work += work_at(s, now, breaks);
+  const double s = sent_right(0).end();
+  std::vector<Field> now = fields(s, t_);
+  const EnergyState energy = energy_at(s, now);
+  statistics_.energy->final = energy.total();
+  statistics_.energy->dissipated = energy.dissipated;
+  statistics_.energy->work = energy.work;
 }
 
 }  // namespace viscobar::characteristics

@@ -71,9 +71,14 @@ std::string to_text(const ContactRegime& regime) {
 std::string model_text(const Case& run, const BarSystem& system) {
   const std::size_t nodes = system.mesh().nodes();
   if (run.method == MethodName::characteristics) {
-    const double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
-    return row("unknowns", "polynomial pieces of two waves; the {} nodes are for output only", nodes) +
-           row("passages", "{:.4g} of a wave through the bar, each L/c = {:.4g}", run.end / passage, passage);
+    double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
+    for (const Member& member : run.scene.chain)
+      if (const Bar& bar = member.bar; !member.rigid())
+        passage = std::min(passage, bar.length * std::sqrt(bar.density / bar.modulus));
+    return row("unknowns", "polynomial pieces of two waves{}; the {} nodes are for output only",
+               run.scene.chain.empty() ? "" : " a bar", nodes) +
+           row("passages", "{:.4g} of a wave through the {}bar, each L/c = {:.4g}", run.end / passage,
+               run.scene.chain.empty() ? "" : "shortest ", passage);
   }
   return row("unknowns", "{} nodes of {}, displacement and velocity", system.size(), nodes) +
          row("inertia", "{} mass{}", viscobar::name(system.mass()),

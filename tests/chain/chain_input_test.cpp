@@ -45,7 +45,13 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
     EXPECT_NE(wrong.find(words), std::string::npos) << words << "\n" << wrong;
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
   says(pair, "bar.5: there are 2 tables [[bar]]", {"bar.5.modulus=4"});
-  says(pair, "method.name: characteristics takes one bar", {"method.name=characteristics"});
+  const auto by_waves = [](std::vector<std::string> settings) {
+    settings.insert(settings.end(), {"method.name=characteristics", "bar.2.viscosity=0"});
+    return settings;
+  };
+  says(pair, "method.name: characteristics carries waves unchanged, and bar.1.viscosity = 0.1", by_waves({}));
+  says(pair, "bar.2.section: is not for characteristics", by_waves({"bar.1.viscosity=0", "bar.2.section=1+x"}));
+  says(pair, "load.density: depends on time", by_waves({"bar.1.viscosity=0", "load.density=sin(t)"}));
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
   says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});

@@ -47,7 +47,12 @@ std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
   return {found, imaginary};
 }
 
-Setup setup_of(const std::string& text) { return resolve(parse_scene(text, "").run); }
+// On a mesh: elastic bars alone would have a method without.
+Setup setup_of(const std::string& text) {
+  std::vector<std::string> settings;
+  if (text.find("name = ") == std::string::npos) settings.push_back("method.name=rigid");
+  return resolve(parse_scene(text, "", settings).run);
+}
 
 double order(double coarse, double fine) { return std::log2(std::abs(coarse / fine)); }
 

@@ -51,15 +51,18 @@ TEST(EndKeys, WithValuesOutOfRangeAreRefused) {
 
 TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   const std::string mounted = "[left]\nkind = \"obstacle\"\ngap = 0.1\nstiffness = 1\n";
-  expect_mistake(scene(mounted, "[mesh]\nmass = \"redistributed\"\n"), "mesh.mass", "use \"fourth_order\"");
-  expect_mistake(scene(mounted, "[method]\nname = \"characteristics\"\n"), "left.stiffness", "use rigid");
+  expect_mistake(scene(mounted, "[mesh]\nmass = \"redistributed\"\n[method]\nname = \"rigid\"\n"), "mesh.mass",
+                 "use \"fourth_order\"");
+  expect_mistake(scene("[left]\nkind = \"free\"\nstiffness = 1e5\n", "[method]\nname = \"characteristics\"\n"),
+                 "left.stiffness", "use rigid");
   expect_mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"0.1+t\"\n[span]\ngap = 1"), "left.gap",
                  "leave [span] out");
   // Left to choose, the program takes what fits.
   const Case chosen = parse_scene(scene(mounted), "").run;
-  EXPECT_EQ(chosen.method, MethodName::rigid);
-  EXPECT_NE(chosen.reservation.find("left.stiffness is not for characteristics"), std::string::npos)
-      << chosen.reservation;
+  EXPECT_EQ(chosen.method, MethodName::characteristics);
+  const Case stiff = parse_scene(scene(mounted), "", std::vector<std::string>{"left.stiffness=1e5"}).run;
+  EXPECT_EQ(stiff.method, MethodName::rigid);
+  EXPECT_NE(stiff.reservation.find("left.stiffness makes for a motion"), std::string::npos) << stiff.reservation;
   EXPECT_EQ(
       resolve(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run).mass,
       Mass::consistent);

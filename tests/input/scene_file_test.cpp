@@ -68,15 +68,13 @@ TEST_P(Example, RunsByEveryMethodButThoseThatCannotTakeItsMassOrMesh) {
   const Case run = read_scene(GetParam()).run;
   const auto cannot = [&](MethodName method) {
     const bool massless = run.mass == Mass::redistributed;
-    if (!run.scene.chain.empty() && (method == MethodName::characteristics || method == MethodName::finite_difference))
-      return true;
+    if (!run.scene.chain.empty() && method == MethodName::finite_difference) return true;
     if (has_stops(run.scene))
       return method != MethodName::cvode && method != MethodName::ida && method != MethodName::arkode &&
              method != MethodName::odeint;
     if (method == MethodName::rigid) return run.scene.span.has_value();
     if (run.scene.section && method == MethodName::finite_difference) return true;
-    const bool springs = run.scene.left_input.stiffness > 0.0 || run.scene.right_input.stiffness > 0.0;
-    if (method == MethodName::characteristics) return run.scene.bar.viscosity > 0.0 || run.scene.span || springs;
+    if (method == MethodName::characteristics) return run.scene.bar.viscosity > 0.0 || run.scene.span.has_value();
     if (method == MethodName::exponential) return run.elements >= Exponential::most_unknowns;
     const bool differential = method == MethodName::cvode || method == MethodName::odeint;
     return massless && (method == MethodName::finite_difference || (differential && run.scene.bar.viscosity == 0.0));
