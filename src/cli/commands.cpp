@@ -11,13 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 #include <system_error>
-#include <utility>
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/page.hpp"
-#include "results/result_directory.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/studies/limit/limit.hpp"

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -53,8 +52,6 @@ Action list_command(CLI::App& command);
 Action new_command(CLI::App& command);
 Action info_command(CLI::App& command);
 Action export_command(CLI::App& command);
-Action completion_command(CLI::App& command);
-Action man_command(CLI::App& command);
 Action help_command(CLI::App& command);
 
 /// An option, or an argument where the name has no dash, with a value of that type: "DIR", "csv|xdmf".

@@ -1,15 +1,11 @@
 #include "input/scene_entries.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <tuple>
-#include <utility>
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/of_thread.hpp"
-#include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/unit_names.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ using Cell = std::variant<std::monostate, std::string, std::size_t, double>;
 
 inline Cell cell(double value) { return value; }
 inline Cell cell(std::size_t value) { return value; }
+inline Cell cell(std::int64_t value) { return static_cast<std::size_t>(value); }  ///< not negative
 inline Cell cell(std::string_view value) { return value.empty() ? Cell() : Cell(std::string(value)); }
 template <class Value>
 Cell cell(const std::optional<Value>& value) {

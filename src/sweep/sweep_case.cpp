@@ -125,7 +125,7 @@ bool solve_into(SweepRow& row, const SceneFile& scene, const std::optional<Neigh
   study.request = *scene.accuracy;
   study.threads = 1;
   if (neighbour) study.start = neighbour->start;
-  row.chosen.assign(chosen_columns().size(), none);
+  row.chosen.assign(chosen_values, none);
   study.stop = interrupted;
   try {
     accuracy::Plan plan(study);

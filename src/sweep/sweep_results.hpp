@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "report/columns.hpp"
 #include "results/result_directory.hpp"
 #include "results/summary.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -61,11 +62,10 @@ class SweepResults {
   Clock::time_point next_ = Clock::now(), next_commit_ = next_;
 };
 
-/// sweep.csv: index, varied keys, completed (1 or 0), error, quantities; numbers in the shortest form that reads back
-/// as the same double, nothing where there is none.
-std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> rows);
-
-/// timings.csv: index, seconds, integration_seconds. Apart, so that the rows do not depend on the machine's load.
-std::string timings_csv(std::span<const SweepRow* const> rows);
+/// The columns of sweep.csv and of the table for people: index, varied keys, completed (1 or 0), error, plan.columns().
+/// They refer to the plan.
+std::vector<Column<const SweepRow*>> sweep_columns(const SweepPlan& plan);
+/// Those of timings.csv, which are apart, so that the rows do not depend on the machine's load.
+std::vector<Column<const SweepRow*>> timing_columns();
 
 }  // namespace viscobar

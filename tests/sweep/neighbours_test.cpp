@@ -138,7 +138,7 @@ std::vector<SweepRow> all_rows(const SweepFile& sweep, std::size_t threads,
 std::string told(const SweepFile& sweep, const std::vector<SweepRow>& rows) {
   std::vector<const SweepRow*> pointers;
   for (const SweepRow& row : rows) pointers.push_back(&row);
-  return sweep_csv(sweep.plan, pointers);
+  return csv_of(sweep_columns(sweep.plan), pointers);
 }
 
 constexpr std::size_t chosen_elements = quantities, neighbour = quantities + 4;

@@ -166,6 +166,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   const LimitOrders& orders = result.orders[best];
   Json json;
   json["title"] = study.scene.scene.title;
+  json["completed"] = result.failed.empty();
   json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, result, best);
   json["order_penetration"] = order_or_null(orders.penetration);

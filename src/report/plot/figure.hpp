@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <utility>
-
 #include "case/regime.hpp"
 #include "results/csv.hpp"
 #include "scene/unit_names.hpp"
