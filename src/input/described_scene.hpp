@@ -25,6 +25,9 @@ void put(nlohmann::ordered_json& tables, const SceneValues& values);
 /// All that was run: the values of the scene, and those that were chosen.
 nlohmann::ordered_json complete(const SceneFile& scene);
 
+/// Tables of the problem in which two scenes differ, as complete() has them: "[bar], [left]". How it is solved does not
+/// count.
+std::string differing_tables(const nlohmann::ordered_json& one, const nlohmann::ordered_json& other);
 /// "table.key=value" as --set takes it; numbers read back to the last bit.
 std::string text_of(const Setting& setting);
 

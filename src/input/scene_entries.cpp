@@ -302,14 +302,21 @@ std::shared_ptr<const Series> SceneEntries::series(std::string_view key) const {
   return found == series_.end() || faulty(key) ? nullptr : found->second;
 }
 
-SceneTable SceneEntries::described_series(std::string_view key) const {
-  SceneTable table = std::get<SceneTable>(value(key));
-  if (const auto file = table.find("file"); file != table.end()) {
-    file->second =
-        std::filesystem::absolute(folder() / std::get<std::string>(file->second)).lexically_normal().string();
-    table["checksum"] = fmt::format("{:016x}", series(key)->checksum());
+SceneValue SceneEntries::described(std::string_view key) const {
+  if (series(key)) {
+    SceneTable table = std::get<SceneTable>(value(key));
+    if (const auto file = table.find("file"); file != table.end()) {
+      file->second =
+          std::filesystem::absolute(folder() / std::get<std::string>(file->second)).lexically_normal().string();
+      table["checksum"] = fmt::format("{:016x}", series(key)->checksum());
+    }
+    return table;
   }
-  return table;
+  if (const auto* text = std::get_if<std::string>(&value(key))) return *text;
+  const KeyType type = find_scene_key(key)->type;
+  if (type == KeyType::list) return list(key);
+  if (type == KeyType::numbers) return numbers(key);
+  return *number(key);
 }
 
 void SceneEntries::fill_in() {

@@ -62,8 +62,9 @@ class SceneEntries {
   std::vector<double> numbers(std::string_view key) const;    ///< empty where the key is absent
   /// The series that is the value of a key; null where the value is none.
   std::shared_ptr<const Series> series(std::string_view key) const;
-  /// The same series as results describe it: its file by its whole name and with a checksum.
-  SceneTable described_series(std::string_view key) const;
+  /// The value of a key that is there and sound as results describe it: the file of a series by its whole name and with
+  /// a checksum.
+  SceneValue described(std::string_view key) const;
   /// Those of [parameters] that are sound, by name.
   Parameters parameters() const;
 

@@ -369,16 +369,8 @@ SceneValues describe(const SceneEntries& entries, const Case& run) {
       continue;
     else if (key.type == KeyType::count)
       values.emplace_back(name, static_cast<std::int64_t>(run.elements));
-    else if (const auto* text = std::get_if<std::string>(&entries.value(name)))
-      values.emplace_back(name, *text);
-    else if (entries.series(name))
-      values.emplace_back(name, entries.described_series(name));
-    else if (key.type == KeyType::list)
-      values.emplace_back(name, entries.list(name));
-    else if (key.type == KeyType::numbers)
-      values.emplace_back(name, entries.numbers(name));
     else
-      values.emplace_back(name, *entries.number(name));
+      values.emplace_back(name, entries.described(name));
   }
   return values;
 }

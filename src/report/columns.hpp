@@ -43,6 +43,12 @@ struct Column {
   std::function<std::string(const Row& row, NumberText number)> people = {};
   bool optional = false;  ///< where it is absent it is not told
   int digits = 3;         ///< for people
+  const char* absent = "";  ///< for people, where there is no value
+
+  Column or_else(const char* words) && {
+    absent = words;
+    return std::move(*this);
+  }
 };
 
 /// The column of a member.
@@ -61,11 +67,11 @@ std::vector<Column<Row>> pick(const std::vector<Column<Row>>& columns, const std
 
 /// The text of a cell whose numbers are written by `number`.
 template <class Number>
-std::string text_of(const Cell& cell, Number&& number) {
+std::string text_of(const Cell& cell, Number&& number, const char* absent = "") {
   if (const auto* real = std::get_if<double>(&cell)) return number(*real);
   if (const auto* count = std::get_if<std::size_t>(&cell)) return fmt::format("{}", *count);
   const auto* word = std::get_if<std::string>(&cell);
-  return word ? *word : "";
+  return word ? *word : absent;
 }
 
 /// For people: the first `words` columns flush left; an optional column that no row has is not there.
@@ -85,7 +91,7 @@ Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, N
     for (const Column<Row>& column : columns)
       line.push_back(column.people ? column.people(row, number) : text_of(column.value(row), [&](double value) {
         return number(value, column.digits);
-      }));
+      }, column.absent));
   }
   return table;
 }
@@ -109,6 +115,14 @@ Json json_of(const std::vector<Column<Row>>& columns, const Row& row) {
             json[column.key] = nullptr;
         },
         column.value(row));
+  return json;
+}
+
+/// An array of rows.
+template <class Row>
+Json json_of(const std::vector<Column<Row>>& columns, const std::vector<Row>& rows) {
+  Json json = Json::array();
+  for (const Row& row : rows) json.push_back(json_of(columns, row));
   return json;
 }
 

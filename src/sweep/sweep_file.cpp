@@ -231,7 +231,7 @@ void heed_scene(SweepFile& sweep) {
   // Workers do not know where the scene lies, and read its measured series as they are now.
   for (const SceneKey& key : scene_keys())
     if (entries.series(key.name))
-      sweep.settings.push_back(std::pair(std::string(key.name), SceneValue(entries.described_series(key.name))));
+      sweep.settings.push_back(std::pair(std::string(key.name), entries.described(key.name)));
   sweep.plan.accuracy = entries.present("accuracy.error") ||
                         std::ranges::find(sweep.plan.keys, "accuracy.error", &VariedKey::key) != sweep.plan.keys.end();
 }

@@ -73,9 +73,6 @@ class ThinnedLine {
   Thinned<Bucket> thinned_;
 };
 
-/// The same of a line that is there.
-std::vector<Point> thin(std::span<const Point> line, std::size_t capacity = 600);
-
 struct Interval {
   double begin, end;
   Point peak{0.0, 0.0};  ///< the largest in size of what happens in it, where that is told

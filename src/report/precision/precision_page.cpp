@@ -83,9 +83,7 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   json["norm"] = norm(result);
   json["reference"] = to_json(result);
   json["epsilon"] = study.scene.epsilon;
-  json["rows"] = Json::array();
-  const auto columns = precision_columns(result);
-  for (const PrecisionRow& row : result.rows) json["rows"].push_back(json_of(columns, row));
+  json["rows"] = json_of(precision_columns(result), result.rows);
   json["parts"] = Json::array();
   for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts));
   json["left_out"] = Json::array();
