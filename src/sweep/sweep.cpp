@@ -47,7 +47,6 @@ const QuantityColumn of_choice[chosen_values] = {
     {"chosen_tolerance", "1", "its relative tolerance"},
     {"chosen_step", "time", "its step, of a scheme"},
     {"chosen_epsilon", "length / stress", "its penalty"},
-    {"neighbour", "1", "the case with whose settings the search began"},
 };
 
 }  // namespace
@@ -99,12 +98,6 @@ double SweepRow::column(std::size_t k) const {
     k -= list.size();
   }
   return std::numeric_limits<double>::quiet_NaN();
-}
-
-std::optional<AccuracyStart> SweepRow::start() const {
-  if (!completed || chosen.empty() || std::isnan(chosen[0])) return std::nullopt;
-  const auto told = [&](std::size_t k) { return std::isnan(chosen[k]) ? std::nullopt : std::optional(chosen[k]); };
-  return AccuracyStart{static_cast<std::size_t>(chosen[0]), told(1), told(3)};
 }
 
 std::vector<std::size_t> dispatch_order(std::span<const double> costs) {

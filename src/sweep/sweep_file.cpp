@@ -206,7 +206,6 @@ std::string SweepFile::identity() const {
   std::string text = fmt::format("viscobar {}\n", versions().viscobar);
   for (const Setting& setting : settings) text += fmt::format("{}\n", text_of(setting));
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
-  if (plan.accuracy) text += "searches that begin at neighbours\n";
   for (const VariedKey& key : plan.keys) {
     text += key.key + ":";
     for (std::size_t k = 0; k < key.size(); ++k)
