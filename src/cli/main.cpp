@@ -96,7 +96,6 @@ std::string option_meant(const CLI::App& command, const std::string& option) {
   return key ? set(key) : "";
 }
 
-/// Message on a faulty command line, with the nearest word that exists.
 std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.front();

@@ -17,7 +17,6 @@ enum class Telling { values, nothing };
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
                            const Adaptation& adapt = {}, Telling telling = Telling::values);
 
-/// The value of a key; null where it has none.
 const SceneValue* value_of(const SceneValues& values, std::string_view key);
 
 /// Lays values over those of an object with an object for each table.
@@ -31,7 +30,6 @@ std::string differing_tables(const nlohmann::ordered_json& one, const nlohmann::
 /// "table.key=value" as --set takes it; numbers read back to the last bit.
 std::string text_of(const Setting& setting);
 
-/// A scene file that says these values.
 std::string scene_text(const SceneValues& values);
 
 /// A scene file, or the scene that a summary of viscobar tells (summary.json, limit.json, ...). TOML never begins with

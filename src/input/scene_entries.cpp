@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
-// The place of a key among scene_keys().
 std::size_t index_of(const SceneKey& key) { return static_cast<std::size_t>(&key - scene_keys().data()); }
 
 // The values of keys that are absent, in the order of scene_keys().

@@ -22,7 +22,6 @@ namespace {
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
-// The one that the key names.
 template <class All, class One>
 One chosen(const SceneEntries& entries, const std::string& key, const All& all, One otherwise) {
   const auto word = entries.text(key);
@@ -84,7 +83,6 @@ std::optional<Load> load_of(const SceneEntries& entries, double length) {
   return SeparableLoad{profile->of_x(), history->of_t(), history->breaks_and_pulses(0.0), profile->places(length)};
 }
 
-// Nothing of a resistance that is zero.
 std::optional<SideResistance> resistance_of(const SceneEntries& entries) {
   const auto function = [&](const char* key) {
     const auto formula = entries.formula(key);
@@ -268,7 +266,6 @@ void check_series(SceneEntries& entries, const Case& run) {
   }
 }
 
-// Reports a scene in which nothing moves the bar.
 void check_motion(SceneEntries& entries) {
   const auto moves = [&](const char* key) {
     const auto formula = entries.formula(key);

@@ -72,7 +72,6 @@ struct SeriesRequest {
 /// @throws std::invalid_argument with what is wrong; SceneError of the file
 std::shared_ptr<const Series> series_of(const SceneTable& table, const SeriesRequest& request);
 
-/// A series in time as what moves an end.
 characteristics::FunctionOfTime function_of(std::shared_ptr<const Series> series);
 
 }  // namespace viscobar

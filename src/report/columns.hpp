@@ -41,8 +41,8 @@ struct Column {
   std::function<Cell(const Row& row)> value;  ///< with all its digits
   /// For people, where they read something else than the value.
   std::function<std::string(const Row& row, NumberText number)> people = {};
-  bool optional = false;  ///< where it is absent it is not told
-  int digits = 3;         ///< for people
+  bool optional = false;    ///< where it is absent it is not told
+  int digits = 3;           ///< for people
   const char* absent = "";  ///< for people, where there is no value
 
   Column or_else(const char* words) && {
@@ -51,13 +51,11 @@ struct Column {
   }
 };
 
-/// The column of a member.
 template <class Row, class Value>
 Column<Row> column(std::string key, std::string heading, Value Row::*member, bool optional = false) {
   return {std::move(key), std::move(heading), [member](const Row& row) { return cell(row.*member); }, {}, optional};
 }
 
-/// Some of the columns, in that order.
 template <class Row>
 std::vector<Column<Row>> pick(const std::vector<Column<Row>>& columns, const std::vector<std::string_view>& keys) {
   std::vector<Column<Row>> picked;
@@ -89,9 +87,10 @@ Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, N
   for (const Row& row : rows) {
     std::vector<std::string>& line = table.rows.emplace_back();
     for (const Column<Row>& column : columns)
-      line.push_back(column.people ? column.people(row, number) : text_of(column.value(row), [&](double value) {
-        return number(value, column.digits);
-      }, column.absent));
+      line.push_back(column.people ? column.people(row, number)
+                                   : text_of(
+                                         column.value(row), [&](double value) { return number(value, column.digits); },
+                                         column.absent));
   }
   return table;
 }
@@ -118,7 +117,6 @@ Json json_of(const std::vector<Column<Row>>& columns, const Row& row) {
   return json;
 }
 
-/// An array of rows.
 template <class Row>
 Json json_of(const std::vector<Column<Row>>& columns, const std::vector<Row>& rows) {
   Json json = Json::array();

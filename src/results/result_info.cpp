@@ -46,8 +46,7 @@ constexpr Kind kinds[] = {
      "with=/rows/<error/label in_seconds=/rows/<error/seconds version"},
     {"sweep", "sweep.h5", "title keys failed=/failed/# integration_seconds wall_seconds"},
     {"fit", "fit.json", "title parameters=/parameters/@ measured converged runs residual version"},
-    {"judge", "judge.json",
-     "title judged=/judged/*/label missed=/judged/*/missed made_up=/judged/*/made_up version"},
+    {"judge", "judge.json", "title judged=/judged/*/label missed=/judged/*/missed made_up=/judged/*/made_up version"},
     {"run", "unfinished/summary.json", of_run},  // beside a whole one
 };
 
@@ -104,7 +103,6 @@ Json facts(const Kind& kind, fs::path file) {
   return result;
 }
 
-// Bytes of a file, or of all files below a directory.
 std::uintmax_t bytes(const fs::directory_entry& entry) {
   if (!entry.is_directory()) return entry.file_size();
   std::uintmax_t sum = 0;

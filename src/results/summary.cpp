@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::string_view no_digits = "0000000000000000", before = "\"crc64\": \"", behind = "\"\n}\n";
 
-// Account of each obstacle of the scene.
 Json contact_json(const Scene& scene, const Outcome& outcome) {
   const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
   Json contacts = Json::object();

@@ -32,7 +32,6 @@ class CaseReader {
   CaseReader(const fs::path& file, const SweepFrame::Part& part, std::size_t cases)
       : file_(file), part_(part), each_(part.length / cases) {}
 
-  /// Fields of the next case.
   std::string_view next() {
     if (at_ == block_.size()) {
       const std::uint64_t most = std::max<std::uint64_t>(1, (1 << 20) / each_) * each_;

@@ -16,7 +16,6 @@ namespace viscobar {
 struct SweepFrame {
   static constexpr std::size_t bytes = 512;
 
-  /// The values of a dataset.
   struct Part {
     std::uint64_t begin = 0, length = 0;
     static void members(auto& part, auto&& each) { each(part.begin, part.length); }
@@ -38,7 +37,6 @@ struct SweepFrame {
 /// The checksum of a row: of the sweep's identity, the row and its timings, as they lie in the file.
 std::uint64_t row_checksum(const Checksum& identity, std::string_view row, std::string_view timings);
 
-/// Which rows of a table are there.
 struct SweepRowStates {
   std::size_t done = 0;              ///< marked as done
   std::size_t unmarked = 0;          ///< sound, but not marked: of a sweep that was killed

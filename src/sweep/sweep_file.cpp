@@ -23,7 +23,6 @@ namespace {
 
 constexpr double most_cases = 1e7;
 
-/// Reads a sweep file, collecting what is wrong with it.
 class SweepReader {
  public:
   SweepReader(const std::filesystem::path& file, std::span<const std::string> overrides)
@@ -146,7 +145,6 @@ class SweepReader {
     sweep_.settings.push_back(one.settings(0).front());
   }
 
-  // At the place of a key that is given.
   void report_at(const std::string& key, const std::string& message) {
     const Diagnostic& at = sweep_.places.at(key);
     report(key, {at.line, at.column}, message);

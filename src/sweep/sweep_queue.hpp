@@ -18,9 +18,7 @@ class SweepQueue {
   /// To run now; absent: none is left.
   std::optional<SweepCase> take();
 
-  /// Cases that have not been handed out.
   std::size_t size() const { return left_.size(); }
-  /// Estimated seconds of these cases.
   double seconds() const;
 
  private:

@@ -34,17 +34,14 @@ class SweepResults {
   bool has(std::size_t index) const { return rows_[index].has_value(); }
   std::size_t size() const { return done_; }
   std::size_t failed() const { return failed_; }
-  /// The finished ones, in the order of the cases.
   std::vector<const SweepRow*> rows() const;
 
   void add(const SweepRow& row);
   /// To be called often: brings the rows to the disk, and writes the CSV files, when there is something new and they
   /// have been left alone long enough for each of the two to take at most a fiftieth of the time.
   void refresh_tables();
-  /// Brings all rows to the disk, and writes the CSV files into a folder.
   void close(const std::filesystem::path& folder);
 
-  /// Checksums of the CSV files.
   const FileChecksums& checksums() const { return checksums_; }
 
  private:

@@ -47,7 +47,6 @@ std::string within(const char* of, const std::optional<double>& error) {
   return error ? fmt::format("{} is {:.2g} away at most", of, *error) : fmt::format("{} does not settle", of);
 }
 
-// Reason of an undecided verdict, and the remedy.
 std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitEvidence& evidence = orders.evidence;
   std::string budget;
@@ -222,14 +221,13 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
 
 const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns() {
   using Mesh = OwnMotion::Mesh;
-  static const std::vector<Column<Mesh>> columns = {
-      column("elements", "elements", &Mesh::elements),
-      column("spacing", "h", &Mesh::spacing),
-      column("penalty", "penalty's limit to the bar", &Mesh::penalty),
-      column("scheme", "scheme's limit to the bar", &Mesh::scheme),
-      column("apart", "limits apart", &Mesh::apart),
-      column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
-      column("step", "dt(h)", &Mesh::step).or_else("outside")};
+  static const std::vector<Column<Mesh>> columns = {column("elements", "elements", &Mesh::elements),
+                                                    column("spacing", "h", &Mesh::spacing),
+                                                    column("penalty", "penalty's limit to the bar", &Mesh::penalty),
+                                                    column("scheme", "scheme's limit to the bar", &Mesh::scheme),
+                                                    column("apart", "limits apart", &Mesh::apart),
+                                                    column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
+                                                    column("step", "dt(h)", &Mesh::step).or_else("outside")};
   return columns;
 }
 

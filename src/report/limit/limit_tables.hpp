@@ -12,7 +12,6 @@
 
 namespace viscobar {
 
-/// The rows of the m-th mesh.
 std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh);
 
 /// The mesh with most elements, whose verdict is the study's.

@@ -41,7 +41,6 @@ class Thinned {
   }
   const std::vector<Bucket>& buckets() const { return buckets_; }
   std::size_t stride() const { return stride_; }
-  /// Items in the last bucket.
   std::size_t in_last() const { return in_last_; }
 
   static void members(auto& self, auto&& each) { each(self.stride_, self.in_last_, self.buckets_); }
