@@ -84,7 +84,7 @@ Hdf5Dataset open_dataset(const fs::path& path, const Hdf5File& file, const char*
   return hdf5_dataset(path, file, name, "is not the table of a sweep");
 }
 
-std::string text_of(const fs::path& path, const Hdf5Dataset& dataset) {
+std::string text_in(const fs::path& path, const Hdf5Dataset& dataset) {
   const Hdf5Dataspace space(H5Dget_space(dataset.get()));
   std::string text(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())), '\0');
   read_values(path, dataset, H5T_NATIVE_CHAR, text.data());
@@ -121,11 +121,11 @@ SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::s
   const Hdf5Properties access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_sieve_buf_size(access.get(), 0);
   file_ = hdf5_file(path_, H5F_ACC_RDWR, access.get());
-  if (text_of(path_, open_dataset(path_, file_, "identity")) != identity)
+  if (text_in(path_, open_dataset(path_, file_, "identity")) != identity)
     throw std::invalid_argument(path_.string() +
                                 " holds the rows of another sweep: the scene, its settings, the varied values or the "
                                 "version differ; nothing was overwritten, choose another directory");
-  build_ = text_of(path_, open_dataset(path_, file_, "build"));
+  build_ = text_in(path_, open_dataset(path_, file_, "build"));
   for (const auto& [name, dataset] :
        {std::pair{"rows", &rows_}, {"timings", &timings_}, {"checksums", &checksums_}, {"done", &done_}})
     *dataset = open_dataset(path_, file_, name);
