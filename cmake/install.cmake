@@ -18,14 +18,12 @@ if(TARGET viscobar_cli)
     set_target_properties(${programs} PROPERTIES INSTALL_RPATH "$ORIGIN/${libraries_from_program};$ORIGIN")
   endif()
   install(TARGETS ${programs} COMPONENT program)
-  # The program writes them itself, from the definition of its command line.
-  set(shell_dir ${PROJECT_BINARY_DIR}/shell)
-  add_custom_command(TARGET viscobar_cli POST_BUILD COMMAND ${CMAKE_COMMAND} -E make_directory ${shell_dir}
-                     COMMAND viscobar_cli man > ${shell_dir}/viscobar.1
-                     COMMAND viscobar_cli completion bash > ${shell_dir}/viscobar
-                     COMMAND viscobar_cli completion fish > ${shell_dir}/viscobar.fish VERBATIM)
-  install(FILES ${shell_dir}/viscobar.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
-  install(FILES ${shell_dir}/viscobar DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+  set(shell_dir ${PROJECT_SOURCE_DIR}/cmake/shell)
+  add_custom_command(TARGET viscobar_cli POST_BUILD VERBATIM
+                     COMMAND sh ${shell_dir}/man.sh $<TARGET_FILE:viscobar_cli> > ${PROJECT_BINARY_DIR}/viscobar.1)
+  install(FILES ${PROJECT_BINARY_DIR}/viscobar.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${shell_dir}/viscobar.bash RENAME viscobar
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
   install(FILES ${shell_dir}/viscobar.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
   install(DIRECTORY examples/scenes examples/data DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 endif()

@@ -374,9 +374,8 @@ py::dict to_dict(const SweepPlan& plan, const SweepRow& row) {
     std::visit([&](const auto& list) { one[py::str(plan.keys[k].key)] = list[chosen[k]]; }, plan.keys[k].values);
   one["completed"] = row.completed;
   one["error"] = row.error;
-  for (std::size_t q = 0; q < quantities; ++q) one[py::str(quantity_columns()[q].name)] = row.values[q];
-  const std::vector<std::string> further = plan.further_columns();
-  for (std::size_t k = 0; k < further.size(); ++k) one[py::str(further[k])] = row.column(quantities + k);
+  const std::vector<QuantityColumn> columns = plan.columns();
+  for (std::size_t k = 0; k < columns.size(); ++k) one[py::str(columns[k].name)] = row.column(k);
   one["seconds"] = row.seconds;
   one["integration_seconds"] = row.integration_seconds;
   return one;

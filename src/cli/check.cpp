@@ -67,7 +67,6 @@ std::string to_text(const ContactRegime& regime) {
   return text;
 }
 
-/// Lines of what the bar is: its nodes, or its waves.
 std::string model_text(const Case& run, const BarSystem& system) {
   const std::size_t nodes = system.mesh().nodes();
   if (run.method == MethodName::characteristics) {

@@ -11,13 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 #include <system_error>
-#include <utility>
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_keys.hpp"
 #include "report/page.hpp"
-#include "results/result_directory.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/studies/limit/limit.hpp"
@@ -111,21 +109,15 @@ void Study::finish(const std::string& json, PicturedPage page, const std::string
 }
 
 void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own) {
-  using Json = nlohmann::json;
-  const Json ours = Json(complete(scene));
+  using Json = nlohmann::ordered_json;
   for (const std::string_view name : json_summaries) {
     std::ifstream stream(directory / name);
     if (name == json_summaries[static_cast<std::size_t>(own)] || !stream) continue;
     const Json summary = Json::parse(stream, nullptr, false);
     if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
-    const Json& theirs = summary["scene"];
-    const auto differs = [&](const char* table) {
-      return ours.value(table, Json::object()) != theirs.value(table, Json::object());
-    };
-    constexpr const char* problem[] = {"bar", "left", "right", "span", "initial", "load", "side"};
-    if (std::ranges::any_of(problem, differs))
+    if (!differing_tables(complete(scene), summary["scene"]).empty())
       warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
-                       directory.string(), name, one_line(theirs.value("title", ""))));
+                       directory.string(), name, one_line(summary["scene"].value("title", ""))));
   }
 }
 

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -53,8 +52,6 @@ Action list_command(CLI::App& command);
 Action new_command(CLI::App& command);
 Action info_command(CLI::App& command);
 Action export_command(CLI::App& command);
-Action completion_command(CLI::App& command);
-Action man_command(CLI::App& command);
 Action help_command(CLI::App& command);
 
 /// An option, or an argument where the name has no dash, with a value of that type: "DIR", "csv|xdmf".
@@ -63,7 +60,6 @@ CLI::Option* add(CLI::App& command, const std::string& name, const char* type, V
   return command.add_option(name, value, what)->type_name(type);
 }
 
-/// An option that may be given again, each time with one value.
 inline CLI::Option* add_repeatable(CLI::App& command, const std::string& name, const char* type,
                                    std::vector<std::string>& values, const std::string& what) {
   return add(command, name, type, values, what)->allow_extra_args(false);
@@ -98,7 +94,6 @@ struct SceneOptions {
   /// The scene with the user's own values, then those of `settings`; `adapt` is applied before it
   /// is validated. Tells what was read.
   SceneFile read(const std::vector<Setting>& settings = {}, const Adaptation& adapt = {}) const;
-  /// Text of the scene file, or of standard input.
   std::string text() const;
   /// The same without a word, for a scene that is read again.
   SceneFile parse(const std::vector<Setting>& settings, const Adaptation& adapt = {}) const;
@@ -123,10 +118,8 @@ struct StudyOptions {
   explicit StudyOptions(CLI::App& command);
 };
 
-/// A study at work, the only one in its directory.
 class Study {
  public:
-  /// Warns of other scenes there.
   Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind);
 
   /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else `text` and where the

@@ -45,8 +45,6 @@ constexpr struct {
     {"new", "Write a commented scene to start from", new_command},
     {"info", "List the contents of a directory of results, or of one summary", info_command},
     {"export", "Write the field and the end traces of a run as CSV or XDMF", export_command},
-    {"completion", "Print the completions for a shell", completion_command},
-    {"man", "Print the man page", man_command},
     {"help", "Print the help of a command", help_command},
 };
 
@@ -98,7 +96,6 @@ std::string option_meant(const CLI::App& command, const std::string& option) {
   return key ? set(key) : "";
 }
 
-/// Message on a faulty command line, with the nearest word that exists.
 std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const CLI::App& command = chosen.empty() ? app : *chosen.front();
@@ -138,9 +135,7 @@ void check_values(const CLI::App& command, int argc, char** argv) {
 
 /// True of a command that does not list the options of all: making those takes as long as a small run.
 bool needs_no_other(std::string_view word) {
-  constexpr std::string_view listing[] = {"completion", "man", "help"};
-  return std::ranges::any_of(commands, [&](const auto& command) { return command.name == word; }) &&
-         std::ranges::find(listing, word) == std::end(listing);
+  return word != "help" && std::ranges::any_of(commands, [&](const auto& command) { return command.name == word; });
 }
 
 int run(int argc, char** argv) {

@@ -7,7 +7,6 @@
 
 namespace viscobar::cli {
 
-/// Options of every command: --log FILE and -v.
 struct MessageOptions {
   std::string log;
   bool verbose = false;
@@ -29,7 +28,6 @@ void say(std::string_view what);       ///< as it is
 /// To standard error with -v only, to the log always.
 void detail(std::string_view what);
 
-/// Standard error is a terminal.
 bool on_terminal();
 
 /// A line on the terminal that says what is being done, overwritten by the next.
@@ -50,7 +48,6 @@ class StatusLine {
 /// How far the work is, on the terminal, a few times a second once it has taken one.
 class Progress {
  public:
-  /// True if it is time for another line.
   bool due();
   /// The line, and the time left, which follows from the share that is done.
   void show(const std::string& what, double share);

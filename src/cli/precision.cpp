@@ -16,7 +16,6 @@ struct PrecisionOptions : StudyOptions {
   std::vector<std::string> methods;
 };
 
-/// The first value that stands twice in a list.
 template <class Value>
 const Value* repeated(const std::vector<Value>& values) {
   for (auto value = values.begin(); value != values.end(); ++value)

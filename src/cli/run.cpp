@@ -211,7 +211,6 @@ CheckpointEvery checkpoint_every(const std::string& text) {
   return {every->on_the_clock ? CheckpointEvery::Clock::wall : CheckpointEvery::Clock::simulated, every->value};
 }
 
-/// Seconds; absent where the option was not given.
 std::optional<double> wall_time_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
   const auto limit = read_duration(text);

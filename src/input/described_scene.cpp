@@ -124,6 +124,14 @@ Json complete(const SceneFile& scene) {
   return json;
 }
 
+std::string differing_tables(const Json& one, const Json& other) {
+  std::string found;
+  for (const char* table : {"bar", "left", "right", "span", "side", "initial", "load"})
+    if (nlohmann::json(one.value(table, Json::object())) != nlohmann::json(other.value(table, Json::object())))
+      found += fmt::format("{}[{}]", found.empty() ? "" : ", ", table);
+  return found;
+}
+
 std::string SceneFile::description() const {
   Json json = Json::object();
   put(json, values);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,7 +17,6 @@ enum class Telling { values, nothing };
 SceneFile parse_scene_with(const std::string& text, const std::string& source, std::span<const Setting> settings,
                            const Adaptation& adapt = {}, Telling telling = Telling::values);
 
-/// The value of a key; null where it has none.
 const SceneValue* value_of(const SceneValues& values, std::string_view key);
 
 /// Lays values over those of an object with an object for each table.
@@ -26,10 +24,12 @@ void put(nlohmann::ordered_json& tables, const SceneValues& values);
 /// All that was run: the values of the scene, and those that were chosen.
 nlohmann::ordered_json complete(const SceneFile& scene);
 
+/// Tables of the problem in which two scenes differ, as complete() has them: "[bar], [left]". How it is solved does not
+/// count.
+std::string differing_tables(const nlohmann::ordered_json& one, const nlohmann::ordered_json& other);
 /// "table.key=value" as --set takes it; numbers read back to the last bit.
 std::string text_of(const Setting& setting);
 
-/// A scene file that says these values.
 std::string scene_text(const SceneValues& values);
 
 /// A scene file, or the scene that a summary of viscobar tells (summary.json, limit.json, ...). TOML never begins with

@@ -69,7 +69,6 @@ class FormulaSwitches::Search {
   }
 
   const FormulaTree::Node& node(int index) const { return tree_.nodes[static_cast<std::size_t>(index)]; }
-  // The g of a node.
   Jet argument(int of) const {
     const Jet& a = jets_[node(of).of[0]];
     return node(of).operands == 1 ? a : a - jets_[node(of).of[1]];

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,7 +67,6 @@ struct FormulaTree {
   template <class N, class OfNumber, class Done>
   void evaluate(const N& at_x, const N& at_t, N* out, OfNumber&& number, Done&& done) const;
 
-  /// Its number.
   template <class N, class OfNumber>
   N at(N at_x, N at_t, OfNumber&& number) const {
     std::array<N, 256> few;

@@ -18,7 +18,6 @@ std::string input_text(const std::filesystem::path& file, std::size_t most = lon
 std::string input_text(std::istream& stream, const std::string& name, std::size_t most = longest_scene);
 
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
-/// True for a letter of ASCII.
 inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 /// Without blanks, tabs and carriage returns at both ends.

@@ -206,12 +206,7 @@ void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& v
         if (!run.scene.chain[k - 1].rigid())
           values.emplace_back(key, static_cast<std::int64_t>(run.bar_elements[k - 1]));
       } else if (entries.present(key)) {
-        if (const auto* text = std::get_if<std::string>(&entries.value(key)))
-          values.emplace_back(key, *text);
-        else if (entries.series(key))
-          values.emplace_back(key, entries.described_series(key));
-        else
-          values.emplace_back(key, *entries.number(key));
+        values.emplace_back(key, entries.described(key));
       }
     }
   }

@@ -1,15 +1,11 @@
 #include "input/scene_entries.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <tuple>
-#include <utility>
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "input/of_thread.hpp"
-#include "input/scene_keys.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/unit_names.hpp"
@@ -21,7 +17,6 @@ namespace {
 
 constexpr std::string_view override_source = "--set";
 
-// The place of a key among scene_keys().
 std::size_t index_of(const SceneKey& key) { return static_cast<std::size_t>(&key - scene_keys().data()); }
 
 // The values of keys that are absent, in the order of scene_keys().
@@ -307,14 +302,21 @@ std::shared_ptr<const Series> SceneEntries::series(std::string_view key) const {
   return found == series_.end() || faulty(key) ? nullptr : found->second;
 }
 
-SceneTable SceneEntries::described_series(std::string_view key) const {
-  SceneTable table = std::get<SceneTable>(value(key));
-  if (const auto file = table.find("file"); file != table.end()) {
-    file->second =
-        std::filesystem::absolute(folder() / std::get<std::string>(file->second)).lexically_normal().string();
-    table["checksum"] = fmt::format("{:016x}", series(key)->checksum());
+SceneValue SceneEntries::described(std::string_view key) const {
+  if (series(key)) {
+    SceneTable table = std::get<SceneTable>(value(key));
+    if (const auto file = table.find("file"); file != table.end()) {
+      file->second =
+          std::filesystem::absolute(folder() / std::get<std::string>(file->second)).lexically_normal().string();
+      table["checksum"] = fmt::format("{:016x}", series(key)->checksum());
+    }
+    return table;
   }
-  return table;
+  if (const auto* text = std::get_if<std::string>(&value(key))) return *text;
+  const KeyType type = find_scene_key(key)->type;
+  if (type == KeyType::list) return list(key);
+  if (type == KeyType::numbers) return numbers(key);
+  return *number(key);
 }
 
 void SceneEntries::fill_in() {

@@ -42,7 +42,6 @@ class SceneEntries {
   /// Reports tables of members whose numbers go on behind a gap, as a key that is set may.
   void report_members_apart();
   bool present(std::string_view key) const { return find(key) != nullptr; }
-  /// Present, and not as a fallback.
   bool given(std::string_view key) const { return entries_.contains(key); }
   /// True if any key is that begins so.
   bool given_below(std::string_view prefix) const {
@@ -62,9 +61,9 @@ class SceneEntries {
   std::vector<double> numbers(std::string_view key) const;    ///< empty where the key is absent
   /// The series that is the value of a key; null where the value is none.
   std::shared_ptr<const Series> series(std::string_view key) const;
-  /// The same series as results describe it: its file by its whole name and with a checksum.
-  SceneTable described_series(std::string_view key) const;
-  /// Those of [parameters] that are sound, by name.
+  /// The value of a key that is there and sound as results describe it: the file of a series by its whole name and with
+  /// a checksum.
+  SceneValue described(std::string_view key) const;
   Parameters parameters() const;
 
   /// As the user or the fallback put it.

@@ -22,7 +22,6 @@ namespace {
 
 constexpr Stepper all_steppers[] = {Stepper::automatic, Stepper::rosenbrock4, Stepper::dopri5};
 
-// The one that the key names.
 template <class All, class One>
 One chosen(const SceneEntries& entries, const std::string& key, const All& all, One otherwise) {
   const auto word = entries.text(key);
@@ -270,7 +269,6 @@ void check_series(SceneEntries& entries, const Case& run) {
   }
 }
 
-// Reports a scene in which nothing moves the bar.
 void check_motion(SceneEntries& entries) {
   const auto moves = [&](const char* key) {
     const auto formula = entries.formula(key);
@@ -371,16 +369,8 @@ SceneValues describe(const SceneEntries& entries, const Case& run) {
       continue;
     else if (key.type == KeyType::count)
       values.emplace_back(name, static_cast<std::int64_t>(run.elements));
-    else if (const auto* text = std::get_if<std::string>(&entries.value(name)))
-      values.emplace_back(name, *text);
-    else if (entries.series(name))
-      values.emplace_back(name, entries.described_series(name));
-    else if (key.type == KeyType::list)
-      values.emplace_back(name, entries.list(name));
-    else if (key.type == KeyType::numbers)
-      values.emplace_back(name, entries.numbers(name));
     else
-      values.emplace_back(name, *entries.number(name));
+      values.emplace_back(name, entries.described(name));
   }
   return values;
 }

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <list>
 #include <map>
-#include <vector>
 
 #include "case/method_table.hpp"
 #include "input/input_text.hpp"

@@ -14,13 +14,11 @@ enum class KeyType { text, choice, number, count, formula, list, amount, numbers
 /// True if a key has to be there: in every scene, where its table is, or nowhere.
 enum class Presence { required, required_in_table, optional };
 
-/// Closed interval of the values that a number may have.
 struct Range {
   double low, high;
   std::string_view words;
 };
 
-/// A word that a key may have as its value, and what it means.
 struct Choice {
   std::string_view name, meaning;
 };
@@ -61,7 +59,6 @@ std::string_view table_of(std::string_view name);
 /// all tables [[bar]] the rows of one.
 const SceneKey* find_scene_key(std::string_view name);
 const SceneKey* find_scene_key(std::string_view table, std::string_view leaf);
-/// The same among scene_keys() alone.
 const SceneKey* find_plain_key(std::string_view name);
 
 /// True if keys stand in a table of that name within another one: "left.contact".
@@ -69,7 +66,6 @@ bool is_inner_table(std::string_view name);
 
 /// True if that is the name of a parameter, "parameters.NAME" with any NAME.
 bool is_parameter(std::string_view name);
-/// NAME of "parameters.NAME".
 std::string_view parameter_name(std::string_view name);
 
 /// Names of the tables, in the order of scene_keys().

@@ -65,7 +65,6 @@ std::string range_problem(const Range& range, double value) {
   return {};
 }
 
-// Advice on a text where a number belongs.
 std::string number_advice(const std::string& text) {
   const TomlValue inside = value_of(text);
   if (std::holds_alternative<std::int64_t>(inside) || std::holds_alternative<double>(inside))

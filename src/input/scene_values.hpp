@@ -14,7 +14,6 @@ namespace viscobar {
 /// Fault of a value of a key by itself; empty if it has none. Formulas may use the parameters.
 std::string problem_with(const SceneKey& key, const TomlValue& value, const Parameters& parameters = {});
 
-/// True if such a key takes values of that kind.
 bool takes(KeyType type, const TomlValue& value);
 
 /// The share that a text such as "0.01 %" means, 1e-4; absent where it is not of that form.

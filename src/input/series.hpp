@@ -2,11 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "characteristics/function_of_time.hpp"
@@ -74,7 +72,6 @@ struct SeriesRequest {
 /// @throws std::invalid_argument with what is wrong; SceneError of the file
 std::shared_ptr<const Series> series_of(const SceneTable& table, const SeriesRequest& request);
 
-/// A series in time as what moves an end.
 characteristics::FunctionOfTime function_of(std::shared_ptr<const Series> series);
 
 }  // namespace viscobar

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <span>
-#include <string>
 #include <tuple>
 
 #include "input/input_text.hpp"

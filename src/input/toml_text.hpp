@@ -12,7 +12,6 @@
 
 namespace viscobar {
 
-/// A text that is not TOML.
 class TextError : public std::runtime_error {
  public:
   TextError(TextPosition position, const std::string& what) : std::runtime_error(what), at(position) {}
@@ -50,7 +49,6 @@ struct TomlNode {
   TextPosition key_at, value_at;
 };
 
-/// The whole text as one table. @throws TextError
 TomlNode parse_toml(std::string_view text);
 
 }  // namespace viscobar

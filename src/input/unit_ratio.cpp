@@ -8,7 +8,6 @@ namespace viscobar {
 
 namespace {
 
-/// Decimal prefix and base unit.
 std::optional<double> size_of(std::string_view unit, char& base) {
   if (unit == "min" || unit == "h") return base = 's', unit == "h" ? 3600.0 : 60.0;
   if (unit == "sec" || unit == "seconds") unit = "s";

@@ -118,8 +118,12 @@ Table vocabulary_table(Vocabulary vocabulary) {
       break;
     case Vocabulary::keys:
       table.header = {"key", "type", "default", "unit", "meaning"};
-      for (const SceneKey& key : scene_keys())
-        add(key.name, {type_words(key), default_words(key), key.unit, key.meaning});
+      for (const SceneKey& key : scene_keys()) {
+        const bool of_either_end = key.leaf() != "kind" && (key.table() == "left" || key.table() == "right");
+        if (of_either_end && key.table() == "right") continue;
+        add(of_either_end ? fmt::format("left.{0}`, `right.{0}", key.leaf()) : std::string(key.name),
+            {type_words(key), default_words(key), key.unit, key.meaning});
+      }
       break;
   }
   table.words = table.header.size();

@@ -1,4 +1,3 @@
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,7 +21,6 @@ RunRecord not_begun(const std::filesystem::path& directory) {
   return record;
 }
 
-/// Has a probe watch a run.
 void observe(RecordOptions& own, const RecordOptions& options, accuracy::Probe& probe, std::vector<double> times) {
   own.watch_times = std::move(times);
   own.watch = [&](const Snapshot& snapshot) { probe.add(snapshot); };

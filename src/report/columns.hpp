@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ using Cell = std::variant<std::monostate, std::string, std::size_t, double>;
 
 inline Cell cell(double value) { return value; }
 inline Cell cell(std::size_t value) { return value; }
+inline Cell cell(std::int64_t value) { return static_cast<std::size_t>(value); }  ///< not negative
 inline Cell cell(std::string_view value) { return value.empty() ? Cell() : Cell(std::string(value)); }
 template <class Value>
 Cell cell(const std::optional<Value>& value) {
@@ -39,17 +41,21 @@ struct Column {
   std::function<Cell(const Row& row)> value;  ///< with all its digits
   /// For people, where they read something else than the value.
   std::function<std::string(const Row& row, NumberText number)> people = {};
-  bool optional = false;  ///< where it is absent it is not told
-  int digits = 3;         ///< for people
+  bool optional = false;    ///< where it is absent it is not told
+  int digits = 3;           ///< for people
+  const char* absent = "";  ///< for people, where there is no value
+
+  Column or_else(const char* words) && {
+    absent = words;
+    return std::move(*this);
+  }
 };
 
-/// The column of a member.
 template <class Row, class Value>
 Column<Row> column(std::string key, std::string heading, Value Row::*member, bool optional = false) {
   return {std::move(key), std::move(heading), [member](const Row& row) { return cell(row.*member); }, {}, optional};
 }
 
-/// Some of the columns, in that order.
 template <class Row>
 std::vector<Column<Row>> pick(const std::vector<Column<Row>>& columns, const std::vector<std::string_view>& keys) {
   std::vector<Column<Row>> picked;
@@ -59,11 +65,11 @@ std::vector<Column<Row>> pick(const std::vector<Column<Row>>& columns, const std
 
 /// The text of a cell whose numbers are written by `number`.
 template <class Number>
-std::string text_of(const Cell& cell, Number&& number) {
+std::string text_of(const Cell& cell, Number&& number, const char* absent = "") {
   if (const auto* real = std::get_if<double>(&cell)) return number(*real);
   if (const auto* count = std::get_if<std::size_t>(&cell)) return fmt::format("{}", *count);
   const auto* word = std::get_if<std::string>(&cell);
-  return word ? *word : "";
+  return word ? *word : absent;
 }
 
 /// For people: the first `words` columns flush left; an optional column that no row has is not there.
@@ -81,9 +87,10 @@ Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, N
   for (const Row& row : rows) {
     std::vector<std::string>& line = table.rows.emplace_back();
     for (const Column<Row>& column : columns)
-      line.push_back(column.people ? column.people(row, number) : text_of(column.value(row), [&](double value) {
-        return number(value, column.digits);
-      }));
+      line.push_back(column.people ? column.people(row, number)
+                                   : text_of(
+                                         column.value(row), [&](double value) { return number(value, column.digits); },
+                                         column.absent));
   }
   return table;
 }
@@ -107,6 +114,13 @@ Json json_of(const std::vector<Column<Row>>& columns, const Row& row) {
             json[column.key] = nullptr;
         },
         column.value(row));
+  return json;
+}
+
+template <class Row>
+Json json_of(const std::vector<Column<Row>>& columns, const std::vector<Row>& rows) {
+  Json json = Json::array();
+  for (const Row& row : rows) json.push_back(json_of(columns, row));
   return json;
 }
 

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "report/scene_check.hpp"
 #include "report/scene_ends.hpp"
 #include "results/file_set.hpp"

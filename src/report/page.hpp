@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,14 +55,12 @@ struct Picture {
 class Page {
  public:
   Page(std::string title, const Scene& scene) : title_(std::move(title)), model_(model_html(scene)) {}
-  /// One without an equation.
   explicit Page(std::string title) : title_(std::move(title)) {}
   /// "TITLE: the penalty limit"
   static Page of_study(const Scene& scene, std::string_view what);
 
   /// HTML below the equation.
   void add_head(std::string_view html) { head_ += html; }
-  /// HTML.
   void add(std::string_view html) { body_ += html; }
   void add(Picture picture);
   void add_section(std::string_view heading, std::string_view content) { add(section_html(heading, content)); }

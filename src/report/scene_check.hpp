@@ -14,7 +14,6 @@
 
 namespace viscobar {
 
-/// Findings of `viscobar check` on a sound scene.
 struct SceneCheck {
   SceneFile scene;                     ///< with the settings that [accuracy] leads to
   Setup setup;                         ///< of its case
@@ -31,15 +30,12 @@ struct SceneCheck {
 /// `stop` ends runs that are made for the check; may be empty.
 SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop = {});
 
-/// The output of `viscobar check` as JSON.
 std::string check_json(const SceneCheck& check);
 
-/// In words.
 std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
 /// The resistance along the bar, with the frequency and the decay that it gives to a bar that moves as a whole.
 std::string side_text(const Scene& scene);
-/// The section that varies, in words.
 std::string section_text(const Scene& scene);
 /// A line for each member of a chain: what it is, and how it hangs together with the next.
 std::vector<std::string> member_texts(const Scene& scene);

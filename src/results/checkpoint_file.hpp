@@ -64,7 +64,6 @@ FoundCheckpoint read_checkpoint(const std::filesystem::path& directory, CheckFil
 bool has_checkpoint(const std::filesystem::path& directory);
 /// A damaged one must not take the place of the sound one before it.
 void remove_newest_checkpoint(const std::filesystem::path& directory);
-/// For a run that is complete, or begins anew.
 void remove_checkpoints(const std::filesystem::path& directory);
 
 }  // namespace viscobar

@@ -18,7 +18,6 @@ struct Checksum {
   void append(const Checksum& next);
   static Checksum of(std::string_view bytes);
   static Checksum of_zeros(std::uint64_t count);
-  /// The sixteen digits of the CRC.
   std::string digits() const;
 
   bool operator==(const Checksum&) const = default;

@@ -12,7 +12,6 @@
 #include <cstdlib>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "results/output_file.hpp"
 

@@ -16,7 +16,6 @@ namespace viscobar {
 /// JSON files, which tell of the others, take their places last. @throws IoError
 class FileSet {
  public:
-  /// Ends an earlier set of that name, and begins a new one.
   FileSet(std::filesystem::path directory, const std::string& name);
   /// Removes what did not take its place.
   ~FileSet();
@@ -25,9 +24,7 @@ class FileSet {
 
   /// The folder to write the files in; their names may have a folder of their own.
   const std::filesystem::path& folder() const { return part_; }
-  /// Writes one of them.
   void write(const std::string& name, std::string_view text) const;
-  /// All that are in the folder.
   void take_places();
 
   /// Moves what a kill has left on its way; does nothing where there is none.

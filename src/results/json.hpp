@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-/// Absent is null.
 template <class T>
 struct nlohmann::adl_serializer<std::optional<T>> {
   static void to_json(auto& json, const std::optional<T>& value) {

@@ -33,13 +33,11 @@ class NewFile {
  public:
   /// Removes what a killed run left under the name; nothing is created. @throws IoError
   explicit NewFile(std::filesystem::path path);
-  /// Removes the part that took no place.
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
   const std::filesystem::path& part() const { return part_; }
-  /// Gives the file its name. @throws IoError
   void take_place();
 
  private:
@@ -47,7 +45,6 @@ class NewFile {
   bool placed_ = false;
 };
 
-/// Which file it is that has a name.
 class FileIdentity {
  public:
   explicit FileIdentity(int descriptor);
@@ -74,9 +71,7 @@ class OutputFile {
   /// From now on it is seen as it grows.
   void take_place();
 
-  /// Overwrites from `offset` on.
   void write_at(std::size_t offset, std::string_view text);
-  /// Cuts it off behind that many bytes.
   void cut_at(std::size_t length);
   /// Returns when the content is on the disk.
   void sync();
@@ -115,7 +110,6 @@ class LineFile {
     return written_;
   }
   void close();
-  /// Checksum of the bytes written.
   const Checksum& checksum() const { return written_; }
 
  private:
@@ -148,7 +142,6 @@ void sync_directory(const std::filesystem::path& directory);
 /// With those above it. @throws IoError
 void make_directories(const std::filesystem::path& directory);
 
-/// A whole file. @throws IoError
 std::string file_content(const std::filesystem::path& file);
 
 /// Writes a whole file so that a reader sees the old content or the new, never a part; `durable`, also after a power

@@ -29,7 +29,6 @@ inline constexpr std::array json_summaries = {"summary.json", "compare.json", "l
 /// @throws IoError when it is in use, or does not take files
 class ResultDirectory {
  public:
-  /// Creates it where needed.
   ResultDirectory(const std::filesystem::path& directory, ResultKind kind);
   /// For a run that goes on from a checkpoint, which has the checksums of the files.
   explicit ResultDirectory(const std::filesystem::path& directory);

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <set>
-#include <span>
 #include <stdexcept>
 
+#include "input/input_text.hpp"
 #include "results/json.hpp"
 #include "results/result_directory.hpp"
 #include "results/sweep_frame.hpp"
@@ -20,155 +20,89 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-using Pointer = Json::json_pointer;
-
-/// One thing worth knowing: its name in JSON, which with spaces is its name on the terminal, and how a summary tells
-/// it.
-struct Fact {
-  std::string_view name;
-  Json (*value)(const Json& summary);
-};
-
-Json at(const Json& summary, const char* pointer) { return summary.value(Pointer(pointer), Json(nullptr)); }
-
-/// The row of a list whose member is smallest; null where no row has one.
-Json smallest(const Json& rows, const char* member) {
-  const Json* best = nullptr;
-  for (const Json& row : rows)
-    if (row[member].is_number() && (!best || row[member] < (*best)[member])) best = &row;
-  return best ? *best : Json(nullptr);
-}
-
-Json each(const Json& rows, const char* member) {
-  Json values = Json::array();
-  for (const Json& row : rows)
-    if (std::find(values.begin(), values.end(), row[member]) == values.end()) values.push_back(row[member]);
-  return values;
-}
-
-Json named(const Json& row) {
-  return row.is_null() ? row : Json(row["method"].get<std::string>() + ", " + row["label"].get<std::string>());
-}
-
-constexpr Fact run_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"method", [](const Json& s) { return at(s, "/method"); }},
-    {"elements", [](const Json& s) { return at(s, "/scene/mesh/elements"); }},
-    {"mass", [](const Json& s) { return at(s, "/mass"); }},
-    {"epsilon", [](const Json& s) { return at(s, "/scene/contact/epsilon"); }},
-    {"completed", [](const Json& s) { return at(s, "/completed"); }},
-    {"error", [](const Json& s) { return at(s, "/error"); }},
-    {"reached_time", [](const Json& s) { return at(s, "/reached_time"); }},
-    {"end_time", [](const Json& s) { return at(s, "/scene/time/end"); }},
-    {"output_every", [](const Json& s) { return at(s, "/scene/output/every"); }},
-    {"steps", [](const Json& s) { return at(s, "/steps"); }},
-    {"contact_changes", [](const Json& s) { return at(s, "/events"); }},
-    {"largest_penetration", [](const Json& s) { return at(s, "/max_penetration"); }},
-    {"energy_initial", [](const Json& s) { return at(s, "/energy/initial"); }},
-    {"energy_final", [](const Json& s) { return at(s, "/energy/final"); }},
-    {"energy_balance_error", [](const Json& s) { return at(s, "/energy/balance_error"); }},
-    {"integration_seconds", [](const Json& s) { return at(s, "/integration_seconds"); }},
-    {"wall_seconds", [](const Json& s) { return at(s, "/wall_seconds"); }},
-    {"version", [](const Json& s) { return at(s, "/versions/viscobar"); }},
-};
-
-constexpr Fact compare_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"methods", [](const Json& s) { return each(s["methods"], "method"); }},
-    {"reference", [](const Json& s) { return at(s, "/reference"); }},
-    {"completed", [](const Json& s) { return at(s, "/completed"); }},
-    {"left_out", [](const Json& s) { return Json(s["skipped"].size()); }},
-    {"nearest_to_reference", [](const Json& s) { return at(smallest(s["pairs"], "end_trace"), "/other"); }},
-    {"its_end_difference", [](const Json& s) { return at(smallest(s["pairs"], "end_trace"), "/end_trace"); }},
-    {"version", [](const Json& s) { return at(s, "/version"); }},
-};
-
-constexpr Fact limit_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"mass", [](const Json& s) { return at(s, "/mass"); }},
-    {"elements", [](const Json& s) { return each(s["rows"], "elements"); }},
-    {"rows", [](const Json& s) { return Json(s["rows"].size()); }},
-    {"completed", [](const Json& s) { return Json(s["failed"].empty()); }},
-    {"verdict", [](const Json& s) { return at(s, "/verdict"); }},
-    {"reason", [](const Json& s) { return at(s, "/reason"); }},
-    {"order_penetration", [](const Json& s) { return at(s, "/order_penetration"); }},
-    {"order_to_rigid", [](const Json& s) { return at(s, "/order_to_rigid"); }},
-    {"order_to_scheme", [](const Json& s) { return at(s, "/order_to_scheme"); }},
-    {"version", [](const Json& s) { return at(s, "/version"); }},
-};
-
-constexpr Fact fit_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"parameters",
-     [](const Json& s) {
-       Json names = Json::array();
-       for (const auto& [key, value] : s["parameters"].items()) names.push_back(key);
-       return names;
-     }},
-    {"measured", [](const Json& s) { return at(s, "/measured"); }},
-    {"converged", [](const Json& s) { return at(s, "/converged"); }},
-    {"runs", [](const Json& s) { return at(s, "/runs"); }},
-    {"residual", [](const Json& s) { return at(s, "/residual"); }},
-    {"version", [](const Json& s) { return at(s, "/version"); }},
-};
-
-constexpr Fact judge_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"judged", [](const Json& s) { return each(s["judged"], "label"); }},
-    {"missed", [](const Json& s) { return each(s["judged"], "missed"); }},
-    {"made_up", [](const Json& s) { return each(s["judged"], "made_up"); }},
-    {"version", [](const Json& s) { return at(s, "/version"); }},
-};
-
-constexpr Fact precision_facts[] = {
-    {"title", [](const Json& s) { return at(s, "/title"); }},
-    {"methods", [](const Json& s) { return each(s["rows"], "method"); }},
-    {"elements", [](const Json& s) { return each(s["rows"], "elements"); }},
-    {"rows", [](const Json& s) { return Json(s["rows"].size()); }},
-    {"completed", [](const Json& s) { return Json(each(s["rows"], "failure") == Json::array({nullptr})); }},
-    {"reference", [](const Json& s) { return at(s, "/reference/description"); }},
-    {"reference_error", [](const Json& s) { return at(s, "/reference/error"); }},
-    {"smallest_error", [](const Json& s) { return at(smallest(s["rows"], "error"), "/error"); }},
-    {"by", [](const Json& s) { return named(smallest(s["rows"], "error")); }},
-    {"in_seconds", [](const Json& s) { return at(smallest(s["rows"], "error"), "/seconds"); }},
-    {"version", [](const Json& s) { return at(s, "/version"); }},
-};
-
+/// A kind of result, its summary, and the facts that are worth knowing: NAME, which with spaces is its name on the
+/// terminal, of a member of the summary, or NAME=PATH.
 struct Kind {
-  std::string_view name, summary;
-  std::span<const Fact> facts;  // none: the summary is the table of a sweep
+  std::string_view name, summary, facts;
 };
+
+constexpr std::string_view of_run =
+    "title method elements=/scene/mesh/elements mass epsilon=/scene/contact/epsilon completed error reached_time "
+    "end_time=/scene/time/end output_every=/scene/output/every steps contact_changes=/events "
+    "largest_penetration=/max_penetration energy_initial=/energy/initial energy_final=/energy/final "
+    "energy_balance_error=/energy/balance_error integration_seconds wall_seconds version=/versions/viscobar";
 
 constexpr Kind kinds[] = {
-    {"run", "summary.json", run_facts},
-    {"compare", "compare.json", compare_facts},
-    {"limit", "limit.json", limit_facts},
-    {"precision", "precision.json", precision_facts},
-    {"sweep", "sweep.h5", {}},
-    {"fit", "fit.json", fit_facts},
-    {"judge", "judge.json", judge_facts},
-    {"run", "unfinished/summary.json", run_facts},  // beside a whole one
+    {"run", "summary.json", of_run},
+    {"compare", "compare.json",
+     "title methods=/methods/*/method reference completed left_out=/skipped/# "
+     "nearest_to_reference=/pairs/<end_trace/other its_end_difference=/pairs/<end_trace/end_trace version"},
+    {"limit", "limit.json",
+     "title mass elements=/rows/*/elements rows=/rows/# completed verdict reason order_penetration order_to_rigid "
+     "order_to_scheme version"},
+    {"precision", "precision.json",
+     "title methods=/rows/*/method elements=/rows/*/elements rows=/rows/# completed reference=/reference/description "
+     "reference_error=/reference/error smallest_error=/rows/<error/error by=/rows/<error/method "
+     "with=/rows/<error/label in_seconds=/rows/<error/seconds version"},
+    {"sweep", "sweep.h5", "title keys failed=/failed/# integration_seconds wall_seconds"},
+    {"fit", "fit.json", "title parameters=/parameters/@ measured converged runs residual version"},
+    {"judge", "judge.json", "title judged=/judged/*/label missed=/judged/*/missed made_up=/judged/*/made_up version"},
+    {"run", "unfinished/summary.json", of_run},  // beside a whole one
 };
 
-Json facts(const Kind& kind, const fs::path& file) {
+// The value at a path, whose parts are the names of members; of a list # its length, * what its entries have behind
+// it, each once, and <NAME the entry whose member is smallest; of an object @ the names. Null where there is none.
+Json found(const Json& at, std::string_view path) {
+  if (path.empty()) return at;
+  const std::size_t end = std::min(path.find('/', 1), path.size());
+  const std::string part(path.substr(1, end - 1));
+  const std::string_view rest = path.substr(end);
+  if (part == "#") return at.size();
+  Json all = Json::array();
+  if (part == "@")
+    for (const auto& [name, value] : at.items()) all.push_back(name);
+  if (part == "*")
+    for (const Json& entry : at)
+      if (Json value = found(entry, rest); std::ranges::find(all, value) == all.end()) all.push_back(std::move(value));
+  if (part == "@" || part == "*") return all;
+  if (part.starts_with('<')) {
+    const std::string member = part.substr(1);
+    const Json* least = nullptr;
+    for (const Json& entry : at)
+      if (entry[member].is_number() && (!least || entry[member] < (*least)[member])) least = &entry;
+    return least ? found(*least, rest) : nullptr;
+  }
+  const auto member = at.find(part);
+  return member == at.end() ? nullptr : found(*member, rest);
+}
+
+Json facts(const Kind& kind, fs::path file) {
   Json result = {{"kind", kind.name}, {"file", kind.summary}};
-  if (kind.facts.empty()) {
-    result.update(sweep_facts(file));
-    return result;
+  if (kind.name == "sweep") {  // may be under way: its summary comes at the end
+    const auto frame = SweepFrame::read(file);
+    if (!frame) throw IoError(file, "is of a version that made no checksums");
+    const std::size_t done = check_rows(file, *frame).done, cases = frame->cases();
+    result.update({{"cases", cases}, {"done", done}, {"remaining", cases - done}, {"completed", false}});
+    file.replace_extension("json");
+    if (!fs::exists(file)) return result;
   }
   std::ifstream stream(file);
   if (!stream) throw IoError(file, "cannot be read");
   try {
     const Json summary = Json::parse(stream);
-    for (const Fact& fact : kind.facts)
-      if (Json value = fact.value(summary); !value.is_null()) result[fact.name] = std::move(value);
+    for (const std::string_view fact : split(kind.facts, ' ')) {
+      const std::size_t equals = fact.find('=');
+      const std::string name(fact.substr(0, equals));
+      Json value = found(summary, equals == fact.npos ? "/" + name : std::string(fact.substr(equals + 1)));
+      if (!value.is_null()) result[name] = std::move(value);
+    }
   } catch (const Json::exception& error) {
     throw IoError(file, fmt::format("is no summary of viscobar: {}", error.what()));
   }
+  if (kind.name == "sweep") result["completed"] = result["remaining"] == 0 && result["failed"] == 0;
   return result;
 }
 
-// Bytes of a file, or of all files below a directory.
 std::uintmax_t bytes(const fs::directory_entry& entry) {
   if (!entry.is_directory()) return entry.file_size();
   std::uintmax_t sum = 0;
@@ -215,24 +149,6 @@ std::string words(const Json& value) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// Counts and ranges, line by line below the facts.
-std::string sweep_text(const Json& result) {
-  std::string text;
-  for (const Json& error : result["errors"])
-    text += fmt::format("  {} failed: {}\n", words(error["rows"]), words(error["text"]));
-  Table table{{"column", "rows", "from", "to"}, 1, {}};
-  for (const Json& column : result["columns"]) {
-    if (const auto values = column.find("values"); values != column.end()) {
-      for (const Json& value : *values)
-        table.rows.push_back(
-            {fmt::format("{} = {}", words(column["name"]), words(value["text"])), words(value["rows"]), "", ""});
-    } else if (column["rows"] != 0) {
-      table.rows.push_back({words(column["name"]), words(column["rows"]), words(column["from"]), words(column["to"])});
-    }
-  }
-  return text + "\n" + viscobar::text(table);
-}
-
 }  // namespace
 
 std::string result_json(const fs::path& place) { return json_text(describe(place)); }
@@ -243,12 +159,11 @@ std::string result_text(const fs::path& place) {
   for (const Json& result : described["results"]) {
     text += fmt::format("{}: {}\n", words(described["directory"]), words(result["kind"]));
     for (const auto& [name, value] : result.items()) {
-      if (name == "kind" || name == "file" || name == "errors" || name == "columns") continue;
+      if (name == "kind" || name == "file") continue;
       std::string label = name;
       std::replace(label.begin(), label.end(), '_', ' ');
       text += fmt::format("  {:<20} {}\n", label, words(value));
     }
-    if (result.contains("columns")) text += sweep_text(result);
     text += "\n";
   }
   Table table{{"file", "size"}, 1, {}};

@@ -24,7 +24,6 @@ enum class FileState {
   foreign     ///< not one of the result
 };
 
-/// State of a file of a result.
 struct VerifiedFile {
   std::string name;  ///< within the directory
   std::uintmax_t bytes = 0;

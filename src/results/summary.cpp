@@ -15,34 +15,26 @@ namespace {
 
 constexpr std::string_view no_digits = "0000000000000000", before = "\"crc64\": \"", behind = "\"\n}\n";
 
-// Account of each obstacle of the scene.
 Json contact_json(const Scene& scene, const Outcome& outcome) {
   const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
   Json contacts = Json::object();
-  const auto add = [&](const char* where, bool there, auto RunAccount::*obstacle) {
+  const auto add = [&](const std::string& where, bool there, auto of_account) {
     if (!there) return;
     Json& json = contacts[where];
     if (!account) return;
-    const auto& of = (*account).*obstacle;
+    const auto& of = of_account();
     json["closings"] = of.closings;
     if constexpr (requires { of.openings; }) json["openings"] = of.openings;
     json["time_in_contact"] = of.contact.total(outcome.reached_time);
     json["impulse"] = of.impulse;
     json["max_reaction"] = of.peak_reaction;
   };
-  add("left", is_obstacle(scene.left), &RunAccount::left);
-  add("right", is_obstacle(scene.right), &RunAccount::right);
-  add("span", scene.span.has_value(), &RunAccount::span);
-  for (std::size_t k = 1; k < scene.chain.size(); ++k) {
-    if (scene.chain[k - 1].joint.kind != JointKind::contact) continue;
-    Json& json = contacts[fmt::format("joint:{}", k)];
-    if (!account) continue;
-    const JointAccount of = k <= account->joints.size() ? account->joints[k - 1] : JointAccount{};
-    json["closings"] = of.closings;
-    json["time_in_contact"] = of.contact.total(outcome.reached_time);
-    json["impulse"] = of.impulse;
-    json["max_reaction"] = of.peak_reaction;
-  }
+  add("left", is_obstacle(scene.left), [&] { return account->left; });
+  add("right", is_obstacle(scene.right), [&] { return account->right; });
+  add("span", scene.span.has_value(), [&] { return account->span; });
+  for (std::size_t k = 1; k < scene.chain.size(); ++k)
+    add(fmt::format("joint:{}", k), scene.chain[k - 1].joint.kind == JointKind::contact,
+        [&] { return k <= account->joints.size() ? account->joints[k - 1] : JointAccount{}; });
   return contacts;
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -17,7 +16,6 @@ namespace viscobar {
 struct SweepFrame {
   static constexpr std::size_t bytes = 512;
 
-  /// The values of a dataset.
   struct Part {
     std::uint64_t begin = 0, length = 0;
     static void members(auto& part, auto&& each) { each(part.begin, part.length); }
@@ -39,7 +37,6 @@ struct SweepFrame {
 /// The checksum of a row: of the sweep's identity, the row and its timings, as they lie in the file.
 std::uint64_t row_checksum(const Checksum& identity, std::string_view row, std::string_view timings);
 
-/// Which rows of a table are there.
 struct SweepRowStates {
   std::size_t done = 0;              ///< marked as done
   std::size_t unmarked = 0;          ///< sound, but not marked: of a sweep that was killed
@@ -47,11 +44,5 @@ struct SweepRowStates {
 };
 /// @throws IoError
 SweepRowStates check_rows(const std::filesystem::path& file, const SweepFrame& frame);
-
-/// Content of the table of a sweep, read off the file alone: cases, rows done, failed and remaining, the errors with
-/// their numbers, the time spent, the smallest and largest value of each column (of numbers; the values of a text),
-/// over the rows that are done. Also of a sweep that is running.
-/// @throws IoError when the file is no table of a sweep
-nlohmann::ordered_json sweep_facts(const std::filesystem::path& file);
 
 }  // namespace viscobar

@@ -25,12 +25,10 @@ void members(Like<SweepRow> auto& row, auto&& each) {
   each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.chosen,
        row.derivatives, row.seconds, row.integration_seconds);
 }
-void members(Like<AccuracyStart> auto& start, auto&& each) { each(start.elements, start.tolerance, start.epsilon); }
-void members(Like<NeighbourStart> auto& neighbour, auto&& each) { each(neighbour.index, neighbour.start); }
 void members(Like<SweepCase> auto& one, auto&& each) {
   std::vector<std::string> texts;
   for (const Setting& setting : one.settings) texts.push_back(text_of(setting));
-  each(one.index, texts, one.neighbour);
+  each(one.index, texts);
   if constexpr (requires { one.settings.clear(); }) one.settings.assign(texts.begin(), texts.end());
 }
 
@@ -154,7 +152,6 @@ bool Ranks::run(const SweepWork& work) {
   const auto tell_to_stop = [&](int rank) {
     if (stopping.insert(rank).second) send(rank, stop);
   };
-  std::set<int> waiting;  // for a row that a case begins with
   bool given_up = false;
   std::exception_ptr error;
   const auto give_up = [&] {
@@ -171,13 +168,10 @@ bool Ranks::run(const SweepWork& work) {
     }
   };
   const auto serve = [&](int rank) {
-    const auto one = given_up ? std::nullopt : work.queue.take();
-    if (one)
+    if (const auto one = given_up ? std::nullopt : work.queue.take())
       send(rank, job, archived(*one));
-    else if (given_up || work.queue.size() == 0)
-      tell_to_stop(rank);
     else
-      waiting.insert(rank);
+      tell_to_stop(rank);
   };
   auto next_tick = std::chrono::steady_clock::now();
   auto pause = 10us;
@@ -200,12 +194,9 @@ bool Ranks::run(const SweepWork& work) {
       if (by_itself && !given_up) give_up();
       continue;
     }
-    std::optional<SweepRow> done;
-    if (message->tag == row) guarded([&] { work.queue.finish(done.emplace(unpack<SweepRow>(message->bytes))); });
     // The workers first, so that they do not wait for the disk.
     serve(message->rank);
-    for (const int rank : std::exchange(waiting, {})) serve(rank);
-    if (done) guarded([&] { work.take(*done); });
+    if (message->tag == row) guarded([&] { work.take(unpack<SweepRow>(message->bytes)); });
   }
   guarded(work.tick);
   if (error) std::rethrow_exception(error);

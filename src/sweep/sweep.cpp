@@ -12,7 +12,7 @@ namespace viscobar {
 
 namespace {
 
-constexpr QuantityColumn columns[] = {
+const QuantityColumn of_quantities[] = {
     {"unknowns", "1", "scalars that the method advances"},
     {"steps", "1", "steps taken"},
     {"rhs_evaluations", "1", "evaluations of the right-hand side (of the residual for ida)"},
@@ -42,12 +42,11 @@ constexpr QuantityColumn columns[] = {
     {"closings_span", "1", "contacts of nodes with the span obstacle"},
 };
 
-constexpr QuantityColumn columns_of_choice[] = {
+const QuantityColumn of_choice[chosen_values] = {
     {"chosen_elements", "1", "elements of the solution"},
     {"chosen_tolerance", "1", "its relative tolerance"},
     {"chosen_step", "time", "its step, of a scheme"},
     {"chosen_epsilon", "length / stress", "its penalty"},
-    {"neighbour", "1", "the case with whose settings the search began"},
 };
 
 }  // namespace
@@ -73,19 +72,13 @@ std::vector<std::size_t> SweepPlan::choice(std::size_t index) const {
   return chosen;
 }
 
-std::vector<std::string> SweepPlan::derivatives() const {
-  std::vector<std::string> names;
+std::vector<QuantityColumn> SweepPlan::columns() const {
+  std::vector<QuantityColumn> all(std::begin(of_quantities), std::end(of_quantities));
+  if (accuracy) all.insert(all.end(), std::begin(of_choice), std::end(of_choice));
   for (const std::string& key : sensitivities)
-    for (const std::string_view quantity : differentiated) names.push_back(fmt::format("{}/{}", quantity, key));
-  return names;
-}
-
-std::vector<std::string> SweepPlan::further_columns() const {
-  std::vector<std::string> names;
-  if (accuracy)
-    for (const QuantityColumn& column : columns_of_choice) names.emplace_back(column.name);
-  std::ranges::move(derivatives(), std::back_inserter(names));
-  return names;
+    for (const std::string_view quantity : differentiated)
+      all.push_back({fmt::format("{}/{}", quantity, key), "", "derivative of the one by the other"});
+  return all;
 }
 
 std::vector<Setting> SweepPlan::settings(std::size_t index) const {
@@ -97,9 +90,7 @@ std::vector<Setting> SweepPlan::settings(std::size_t index) const {
   return all;
 }
 
-std::span<const QuantityColumn, quantities> quantity_columns() { return columns; }
-std::span<const QuantityColumn> chosen_columns() { return columns_of_choice; }
-
+std::span<const QuantityColumn, quantities> quantity_columns() { return of_quantities; }
 double SweepRow::column(std::size_t k) const {
   for (const std::span<const double> list :
        {std::span<const double>(values), std::span(chosen), std::span(derivatives)}) {
@@ -107,12 +98,6 @@ double SweepRow::column(std::size_t k) const {
     k -= list.size();
   }
   return std::numeric_limits<double>::quiet_NaN();
-}
-
-std::optional<AccuracyStart> SweepRow::start() const {
-  if (!completed || chosen.empty() || std::isnan(chosen[0])) return std::nullopt;
-  const auto told = [&](std::size_t k) { return std::isnan(chosen[k]) ? std::nullopt : std::optional(chosen[k]); };
-  return AccuracyStart{static_cast<std::size_t>(chosen[0]), told(1), told(3)};
 }
 
 std::vector<std::size_t> dispatch_order(std::span<const double> costs) {

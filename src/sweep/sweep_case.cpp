@@ -109,29 +109,26 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   return true;
 }
 
-void tell_chosen(SweepRow& row, const Case& run, const std::optional<NeighbourStart>& neighbour) {
+void tell_chosen(SweepRow& row, const Case& run) {
   const AccuracyStart settings = start_at(run);
   if (settings.elements == 0) return;
   row.chosen = {static_cast<double>(settings.elements), settings.tolerance.value_or(none),
-                is_scheme(run.method) ? run.step.value_or(none) : none, settings.epsilon.value_or(none),
-                neighbour ? static_cast<double>(neighbour->index) : none};
+                is_scheme(run.method) ? run.step.value_or(none) : none, settings.epsilon.value_or(none)};
 }
 
 // The same of a scene that asks for an error: whose estimate does not keep it is not completed.
-bool solve_into(SweepRow& row, const SceneFile& scene, const std::optional<NeighbourStart>& neighbour,
-                const std::function<bool()>& interrupted) {
+bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool()>& interrupted) {
   AccuracyStudy study;
   study.scene = scene.run;
   study.request = *scene.accuracy;
   study.threads = 1;
-  if (neighbour) study.start = neighbour->start;
-  row.chosen.assign(chosen_columns().size(), none);
+  row.chosen.assign(chosen_values, none);
   study.stop = interrupted;
   try {
     accuracy::Plan plan(study);
     while (true) {
       const Case run = plan.next();
-      tell_chosen(row, run, neighbour);
+      tell_chosen(row, run);
       accuracy::Probe probe(run, plan.times().size());
       Statistics done;
       row.error.clear();
@@ -166,8 +163,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
     const SceneFile scene = parse_scene_with(scene_text, "scene", one.settings, {}, Telling::nothing);
-    if (!(scene.accuracy ? solve_into(row, scene, one.neighbour, interrupted)
-                         : simulate_into(row, scene.run, interrupted)))
+    if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
   } catch (const std::bad_alloc&) {
     throw;  // the machine's failure, not the case's: it has no row, and the sweep goes on later

@@ -23,7 +23,6 @@ namespace {
 
 constexpr double most_cases = 1e7;
 
-/// Reads a sweep file, collecting what is wrong with it.
 class SweepReader {
  public:
   SweepReader(const std::filesystem::path& file, std::span<const std::string> overrides)
@@ -146,7 +145,6 @@ class SweepReader {
     sweep_.settings.push_back(one.settings(0).front());
   }
 
-  // At the place of a key that is given.
   void report_at(const std::string& key, const std::string& message) {
     const Diagnostic& at = sweep_.places.at(key);
     report(key, {at.line, at.column}, message);
@@ -206,7 +204,6 @@ std::string SweepFile::identity() const {
   std::string text = fmt::format("viscobar {}\n", versions().viscobar);
   for (const Setting& setting : settings) text += fmt::format("{}\n", text_of(setting));
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
-  if (plan.accuracy) text += "searches that begin at neighbours\n";
   for (const VariedKey& key : plan.keys) {
     text += key.key + ":";
     for (std::size_t k = 0; k < key.size(); ++k)
@@ -231,7 +228,7 @@ void heed_scene(SweepFile& sweep) {
   // Workers do not know where the scene lies, and read its measured series as they are now.
   for (const SceneKey& key : scene_keys())
     if (entries.series(key.name))
-      sweep.settings.push_back(std::pair(std::string(key.name), SceneValue(entries.described_series(key.name))));
+      sweep.settings.push_back(std::pair(std::string(key.name), entries.described(key.name)));
   sweep.plan.accuracy = entries.present("accuracy.error") ||
                         std::ranges::find(sweep.plan.keys, "accuracy.error", &VariedKey::key) != sweep.plan.keys.end();
 }

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "input/described_scene.hpp"
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
 #include "report/plot/figure.hpp"
+#include "sweep/sweep_results.hpp"
 #include "text/json_text.hpp"
-#include "text/number.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -24,7 +23,7 @@ using plot::json_string;
 /// The columns whose values are not all the same, or not all missing.
 std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const SweepRow* const> rows) {
   std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k < quantities + plan.further_columns().size(); ++k) {
+  for (std::size_t k = 0; k < plan.columns().size(); ++k) {
     const auto differs = [&](const SweepRow* row) {
       const double a = row->column(k), b = rows.front()->column(k);
       return !(a == b || (std::isnan(a) && std::isnan(b)));
@@ -58,12 +57,6 @@ std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
   return found;
 }
 
-std::string word(const std::string& value) { return value; }
-std::string word(std::int64_t value) { return fmt::format("{}", value); }
-std::string word(double value) { return fmt::format("{:.6g}", value); }
-
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.7g}", value) : "null"; }
-
 template <class Values, class Text>
 std::string list(const Values& values, Text&& text) {
   std::string all = "[";
@@ -89,16 +82,12 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
     return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
                        std::visit([&](const auto& values) { return list(values, value_json); }, key.values));
   };
-  const std::vector<std::string> further = sweep.plan.further_columns();
-  const std::size_t chosen = sweep.plan.accuracy ? chosen_columns().size() : 0;
+  const std::vector<QuantityColumn> columns = sweep.plan.columns();
   const auto column_json = [&](std::size_t k) {
-    const QuantityColumn column =
-        k < quantities            ? quantity_columns()[k]
-        : k - quantities < chosen ? chosen_columns()[k - quantities]
-                                  : QuantityColumn{further[k - quantities], "", "derivative of the one by the other"};
-    return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(column.name),
-                       json_string(column.unit), json_string(column.meaning),
-                       list(rows, [&](const SweepRow* row) { return number(row->column(k)); }));
+    return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(columns[k].name),
+                       json_string(columns[k].unit), json_string(columns[k].meaning),
+                       plot::json_numbers(
+                           rows, [&](const SweepRow* row) { return row->column(k); }, 7));
   };
   const std::vector<std::size_t> interesting = by_interest(shown);
   return fmt::format(
@@ -115,26 +104,24 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
 }  // namespace
 
 Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> rows, std::size_t most) {
-  const auto& keys = sweep.plan.keys;
-  Table table{{"case"}, 1 + keys.size(), {}};
-  for (const VariedKey& key : keys) table.header.push_back(key.key);
-  std::vector<std::size_t> shown = by_interest(telling_columns(sweep.plan, rows));
+  using Row = const SweepRow*;
   constexpr std::size_t most_columns = 4;
-  shown.resize(std::min(shown.size(), most_columns));
-  for (const std::size_t k : shown) table.header.emplace_back(quantity_columns()[k].name);
-  table.header.emplace_back("seconds");
-  for (const SweepRow* row : rows.first(std::min(rows.size(), most))) {
-    std::vector<std::string> cells{fmt::format("{}", row->index)};
-    const std::vector<std::size_t> chosen = sweep.plan.choice(row->index);
-    for (std::size_t k = 0; k < keys.size(); ++k)
-      std::visit([&](const auto& values) { cells.push_back(one_line(word(values[chosen[k]]))); }, keys[k].values);
-    for (const std::size_t k : shown)
-      cells.push_back(!row->completed              ? "failed"
-                      : std::isnan(row->values[k]) ? ""
-                                                   : fmt::format("{:.5g}", row->values[k]));
-    cells.push_back(plain_number(row->seconds));
-    table.rows.push_back(std::move(cells));
+  const std::vector<Column<Row>> all = sweep_columns(sweep.plan);
+  std::vector<Column<Row>> columns(all.begin(), all.begin() + 1 + std::ssize(sweep.plan.keys));
+  const std::size_t words = columns.size(), numbers = words + 2;  // behind completed and error
+  for (const std::size_t k : by_interest(telling_columns(sweep.plan, rows))) {
+    if (columns.size() == words + most_columns) break;
+    columns.push_back(all[numbers + k]);
+    columns.back().people = [k](Row row, NumberText number) {
+      if (!row->completed) return std::string("failed");
+      return std::isnan(row->column(k)) ? "" : number(row->column(k), 5);
+    };
   }
+  columns.push_back(timing_columns()[1]);
+  rows = rows.first(std::min(rows.size(), most));
+  Table table = table_of(columns, std::vector(rows.begin(), rows.end()), plain_number, words);
+  for (auto& row : table.rows)
+    for (std::string& cell : row) cell = one_line(cell);
   return table;
 }
 

@@ -4,12 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <iterator>
 #include <utility>
 #include <variant>
 
-#include "results/csv.hpp"
 #include "results/output_file.hpp"
 #include "sweep/sweep_table.hpp"
 #include "viscobar/results/versions.hpp"
@@ -72,8 +69,8 @@ void SweepResults::refresh_tables() {
 
 void SweepResults::write_tables(const std::filesystem::path& folder) {
   const std::vector<const SweepRow*> finished = rows();
-  for (const auto& [name, text] :
-       {std::pair{"sweep.csv", sweep_csv(plan_, finished)}, {"timings.csv", timings_csv(finished)}}) {
+  for (const auto& [name, text] : {std::pair{"sweep.csv", csv_of(sweep_columns(plan_), finished)},
+                                   {"timings.csv", csv_of(timing_columns(), finished)}}) {
     write_atomically(folder / name, text);
     checksums_[name] = Checksum::of(text);
   }
@@ -85,45 +82,30 @@ void SweepResults::close(const std::filesystem::path& folder) {
   write_tables(folder);
 }
 
-namespace {
-
-std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
-std::string cell(std::int64_t value) { return fmt::format("{}", value); }
-std::string cell(const std::string& text) { return csv_text(text); }
-
-}  // namespace
-
-std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> rows) {
-  std::string text = "index";
-  const auto add = [&](std::string_view next) {
-    text += ',';
-    text += next;
-  };
-  for (const VariedKey& key : plan.keys) add(key.key);
-  add("completed");
-  add("error");
-  for (const QuantityColumn& column : quantity_columns()) add(column.name);
-  const std::vector<std::string> further = plan.further_columns();
-  for (const std::string& name : further) add(name);
-  text += '\n';
-  for (const SweepRow* row : rows) {
-    text += cell(static_cast<std::int64_t>(row->index));
-    const std::vector<std::size_t> chosen = plan.choice(row->index);
-    for (std::size_t k = 0; k < plan.keys.size(); ++k)
-      std::visit([&](const auto& list) { add(cell(list[chosen[k]])); }, plan.keys[k].values);
-    add(row->completed ? "1" : "0");
-    add(cell(row->error));
-    for (std::size_t k = 0; k < quantities + further.size(); ++k) add(cell(row->column(k)));
-    text += '\n';
+std::vector<Column<const SweepRow*>> sweep_columns(const SweepPlan& plan) {
+  using Row = const SweepRow*;
+  std::vector<Column<Row>> columns = {{"index", "case", [](Row row) { return Cell(row->index); }}};
+  for (std::size_t k = 0; k < plan.keys.size(); ++k) {
+    const auto value = [&plan, k](Row row) {
+      const std::size_t chosen = plan.choice(row->index)[k];
+      return std::visit([&](const auto& list) { return cell(list[chosen]); }, plan.keys[k].values);
+    };
+    columns.push_back({plan.keys[k].key, plan.keys[k].key, value, {}, false, 6});
   }
-  return text;
+  columns.push_back({"completed", "completed", [](Row row) { return Cell(std::size_t{row->completed}); }});
+  columns.push_back({"error", "error", [](Row row) { return cell(row->error); }});
+  const std::vector<QuantityColumn> numbers = plan.columns();
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    columns.push_back({numbers[k].name, numbers[k].name,
+                       [k](Row row) { return std::isnan(row->column(k)) ? Cell() : Cell(row->column(k)); }});
+  return columns;
 }
 
-std::string timings_csv(std::span<const SweepRow* const> rows) {
-  std::string text = "index,seconds,integration_seconds\n";
-  for (const SweepRow* row : rows)
-    fmt::format_to(std::back_inserter(text), "{},{},{}\n", row->index, row->seconds, row->integration_seconds);
-  return text;
+std::vector<Column<const SweepRow*>> timing_columns() {
+  using Row = const SweepRow*;
+  return {{"index", "case", [](Row row) { return Cell(row->index); }},
+          {"seconds", "seconds", [](Row row) { return Cell(row->seconds); }},
+          {"integration_seconds", "integration", [](Row row) { return Cell(row->integration_seconds); }}};
 }
 
 }  // namespace viscobar

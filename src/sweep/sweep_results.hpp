@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "report/columns.hpp"
 #include "results/result_directory.hpp"
 #include "results/summary.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -33,17 +34,14 @@ class SweepResults {
   bool has(std::size_t index) const { return rows_[index].has_value(); }
   std::size_t size() const { return done_; }
   std::size_t failed() const { return failed_; }
-  /// The finished ones, in the order of the cases.
   std::vector<const SweepRow*> rows() const;
 
   void add(const SweepRow& row);
   /// To be called often: brings the rows to the disk, and writes the CSV files, when there is something new and they
   /// have been left alone long enough for each of the two to take at most a fiftieth of the time.
   void refresh_tables();
-  /// Brings all rows to the disk, and writes the CSV files into a folder.
   void close(const std::filesystem::path& folder);
 
-  /// Checksums of the CSV files.
   const FileChecksums& checksums() const { return checksums_; }
 
  private:
@@ -61,11 +59,10 @@ class SweepResults {
   Clock::time_point next_ = Clock::now(), next_commit_ = next_;
 };
 
-/// sweep.csv: index, varied keys, completed (1 or 0), error, quantities; numbers in the shortest form that reads back
-/// as the same double, nothing where there is none.
-std::string sweep_csv(const SweepPlan& plan, std::span<const SweepRow* const> rows);
-
-/// timings.csv: index, seconds, integration_seconds. Apart, so that the rows do not depend on the machine's load.
-std::string timings_csv(std::span<const SweepRow* const> rows);
+/// The columns of sweep.csv and of the table for people: index, varied keys, completed (1 or 0), error, plan.columns().
+/// They refer to the plan.
+std::vector<Column<const SweepRow*>> sweep_columns(const SweepPlan& plan);
+/// Those of timings.csv, which are apart, so that the rows do not depend on the machine's load.
+std::vector<Column<const SweepRow*>> timing_columns();
 
 }  // namespace viscobar

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <cstring>
 #include <numeric>
 #include <optional>
@@ -40,8 +39,7 @@ std::vector<TableField> row_fields(const SweepPlan& plan) {
   }
   add("completed", flag);
   add("error", {"", H5T_C_S1, longest_error});
-  for (const QuantityColumn& column : quantity_columns()) add(column.name, real);
-  for (const std::string& name : plan.further_columns()) add(name, real);
+  for (const QuantityColumn& column : plan.columns()) add(column.name, real);
   return fields;
 }
 
@@ -66,17 +64,13 @@ Hdf5Type compound(std::span<const TableField> fields) {
 }
 
 // At its full size from the beginning, in one piece, filled with zeros by the file system.
-SweepFrame::Part create_dataset(const fs::path& path, hid_t file, const char* name, hid_t type, hsize_t rows,
+SweepFrame::Part create_dataset(const fs::path& path, const Hdf5File& file, const char* name, hid_t type, hsize_t rows,
                                 const void* values = nullptr) {
   const Hdf5Properties properties(H5Pcreate(H5P_DATASET_CREATE));
   H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
-  H5Pset_obj_track_times(properties.get(), false);
-  const Hdf5Dataspace space(H5Screate_simple(1, &rows, nullptr));
-  Hdf5Dataset dataset(hdf5_checked(path, "cannot create a dataset", [&] {
-    return H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT);
-  }));
+  Hdf5Dataset dataset = new_dataset(path, file, name, type, {&rows, 1}, properties.get());
   if (values)
     hdf5_checked(path, "cannot be written",
                  [&] { return H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values); });
@@ -86,28 +80,14 @@ SweepFrame::Part create_dataset(const fs::path& path, hid_t file, const char* na
   return part;
 }
 
-Hdf5Dataset open_dataset(const fs::path& path, hid_t file, const char* name) {
-  return Hdf5Dataset(
-      hdf5_checked(path, "is not the table of a sweep", [&] { return H5Dopen2(file, name, H5P_DEFAULT); }));
+Hdf5Dataset open_dataset(const fs::path& path, const Hdf5File& file, const char* name) {
+  return hdf5_dataset(path, file, name, "is not the table of a sweep");
 }
 
-// Rows go to the file at once: nothing is collected on the way.
-Hdf5File open_file(const fs::path& path) {
-  const Hdf5Properties access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_sieve_buf_size(access.get(), 0);
-  return Hdf5File(hdf5_checked(path, "cannot be opened (is another sweep writing it?)",
-                               [&] { return H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()); }));
-}
-
-void read_all(const fs::path& path, const Hdf5Dataset& dataset, hid_t type, void* out) {
-  hdf5_checked(path, "cannot be read",
-               [&] { return H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out); });
-}
-
-std::string text_of(const fs::path& path, const Hdf5Dataset& dataset) {
+std::string text_in(const fs::path& path, const Hdf5Dataset& dataset) {
   const Hdf5Dataspace space(H5Dget_space(dataset.get()));
   std::string text(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space.get())), '\0');
-  read_all(path, dataset, H5T_NATIVE_CHAR, text.data());
+  read_values(path, dataset, H5T_NATIVE_CHAR, text.data());
   return text;
 }
 
@@ -137,17 +117,20 @@ SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::s
         path_.string() +
         " is of a version that made no checksums, so that its rows cannot be trusted; nothing was "
         "overwritten, choose another directory");
-  file_.reset(open_file(path_).release());
-  if (text_of(path_, open_dataset(path_, file_.get(), "identity")) != identity)
+  // Rows go to the file at once: nothing is collected on the way.
+  const Hdf5Properties access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_sieve_buf_size(access.get(), 0);
+  file_ = hdf5_file(path_, H5F_ACC_RDWR, access.get());
+  if (text_in(path_, open_dataset(path_, file_, "identity")) != identity)
     throw std::invalid_argument(path_.string() +
                                 " holds the rows of another sweep: the scene, its settings, the varied values or the "
                                 "version differ; nothing was overwritten, choose another directory");
-  build_ = text_of(path_, open_dataset(path_, file_.get(), "build"));
+  build_ = text_in(path_, open_dataset(path_, file_, "build"));
   for (const auto& [name, dataset] :
        {std::pair{"rows", &rows_}, {"timings", &timings_}, {"checksums", &checksums_}, {"done", &done_}})
-    dataset->reset(open_dataset(path_, file_.get(), name).release());
-  row_type_.reset(compound(fields_).release());
-  timing_type_.reset(compound(timing_fields()).release());
+    *dataset = open_dataset(path_, file_, name);
+  row_type_ = compound(fields_);
+  timing_type_ = compound(timing_fields());
   damaged_ = check_rows(path_, *frame).damaged;
 }
 
@@ -162,7 +145,7 @@ void SweepTable::create(const std::string& identity) const {
                                [&] { return H5Fcreate(part.c_str(), H5F_ACC_EXCL, properties.get(), H5P_DEFAULT); }));
     const hsize_t cases = plan_.size();
     const auto make = [&](const char* name, hid_t type, hsize_t count, const void* values = nullptr) {
-      return create_dataset(part, file.get(), name, type, count, values);
+      return create_dataset(part, file, name, type, count, values);
     };
     frame.rows = make("rows", compound(fields_).get(), cases);
     frame.timings = make("timings", compound(timing_fields()).get(), cases);
@@ -183,13 +166,13 @@ std::vector<SweepRow> SweepTable::read() const {
   const std::size_t cases = plan_.size();
   std::vector<std::uint8_t> done(cases);
   std::vector<Timings> timings(cases);
-  read_all(path_, done_, H5T_STD_U8LE, done.data());
-  read_all(path_, timings_, timing_type_.get(), timings.data());
+  read_values(path_, done_, H5T_STD_U8LE, done.data());
+  read_values(path_, timings_, timing_type_.get(), timings.data());
   std::vector<SweepRow> rows;
   if (std::ranges::count(done, 1) == 0) return rows;
   const std::size_t row_bytes = bytes_of(fields_), before = bytes_of(std::span(fields_).first(1 + plan_.keys.size()));
   std::vector<char> bytes(cases * row_bytes);
-  read_all(path_, rows_, row_type_.get(), bytes.data());
+  read_values(path_, rows_, row_type_.get(), bytes.data());
   for (std::size_t i = 0; i < cases; ++i) {
     if (done[i] != 1 || std::ranges::binary_search(damaged_, i)) continue;
     const char* from = bytes.data() + i * row_bytes + before;
@@ -204,9 +187,9 @@ std::vector<SweepRow> SweepTable::read() const {
     row.error.assign(from, strnlen(from, longest_error));
     from += longest_error;
     for (double& value : row.values) get(value);
-    row.chosen.resize(plan_.accuracy ? chosen_columns().size() : 0);
+    row.chosen.resize(plan_.accuracy ? chosen_values : 0);
     for (double& value : row.chosen) get(value);
-    row.derivatives.resize(plan_.derivatives().size());
+    row.derivatives.resize(plan_.sensitivities.size() * differentiated.size());
     for (double& value : row.derivatives) get(value);
     row.seconds = timings[i].seconds;
     row.integration_seconds = timings[i].integration_seconds;

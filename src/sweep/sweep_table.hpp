@@ -12,7 +12,6 @@
 
 namespace viscobar {
 
-/// One field of a row of `rows`.
 struct TableField {
   std::string name;
   hid_t type;
@@ -42,7 +41,6 @@ class SweepTable {
   /// The rows that are there, but for damaged ones: marked as done, and not what was written.
   std::vector<SweepRow> read() const;
   const std::vector<std::size_t>& damaged() const { return damaged_; }
-  /// Build of the program that made the table.
   const std::string& build() const { return build_; }
 
   /// Keeps a row until commit(): HDF5 takes as long for one as for hundreds.

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <future>
 #include <mutex>
 #include <utility>
@@ -17,25 +16,18 @@ bool run_on_threads(const SweepWork& work, std::size_t threads) {
   const auto stopped = [&] { return stop.load(std::memory_order_relaxed) || work.interrupted(); };
   constexpr std::chrono::milliseconds moment(20);
   std::mutex mutex;
-  std::condition_variable progress;  // a row that others may wait for
-  std::vector<SweepRow> finished;    // on their way to this thread, which writes them
+  std::vector<SweepRow> finished;  // on their way to this thread, which writes them
   const auto run = [&](std::size_t) {
     try {
       while (!stopped()) {
         std::unique_lock lock(mutex);
         const auto one = work.queue.take();
-        if (!one && work.queue.size() == 0) return;
-        if (!one) {
-          progress.wait_for(lock, moment);
-          continue;
-        }
+        if (!one) return;
         lock.unlock();
         auto row = run_case(work.scene_text, *one, stopped);
         if (!row) return;
         lock.lock();
-        work.queue.finish(*row);
         finished.push_back(*std::move(row));
-        progress.notify_all();
       }
     } catch (...) {
       stop = true;

@@ -8,7 +8,6 @@
 
 namespace viscobar {
 
-/// The cases that are to be run, and who wants to know.
 struct SweepWork {
   const std::string& scene_text;
   SweepQueue& queue;

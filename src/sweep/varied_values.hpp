@@ -14,7 +14,6 @@ namespace viscobar {
 /// Notes what is wrong at a place of the text.
 using Report = std::function<void(TextPosition at, const std::string& message)>;
 
-/// An entry of a table, or null.
 const TomlNode* entry_of(const TomlNode& table, std::string_view key);
 
 /// The one of `known` that a word was probably meant to be, or all.

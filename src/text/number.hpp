@@ -27,7 +27,6 @@ std::string readable(double value, int digits = 4);
 /// A sentence whose numbers, such as 1.2e-05, are written as readable() writes them.
 std::string with_readable_numbers(std::string_view sentence);
 
-/// 10^exponent
 std::string power_of_ten(int exponent);
 
 /// 1st, 2nd, 3rd, 4th, ..., 11th, ..., 21st

@@ -11,16 +11,13 @@ struct TextPosition {
   std::size_t line = 1, column = 1;
 };
 
-/// Position of the byte at `offset`.
 TextPosition position_in(std::string_view text, std::size_t offset);
 
-/// Characters of UTF-8 text.
 std::size_t characters(std::string_view text);
 
 /// Bytes of the character of UTF-8 at `offset`; 0 when there is none, as for overlong forms and surrogates.
 std::size_t character_length(std::string_view text, std::size_t offset);
 
-/// True if all of the text is UTF-8.
 bool is_utf8(std::string_view text);
 
 /// Offset of the first byte that is not part of UTF-8 text; the length of the text where all are.

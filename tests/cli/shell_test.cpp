@@ -1,4 +1,4 @@
-// Completions and the man page, made of the definition of the command line.
+// Completions and the man page, which ask the program for its commands, options and keys.
 #include <sstream>
 
 #include "cli/command.hpp"
@@ -12,7 +12,6 @@ using Words = std::vector<std::string>;
 class Shell : public testing_cli::Command {
  protected:
   Shell() {
-    std::ofstream(directory_ / "completion.bash") << viscobar("completion bash").out;
     viscobar("new scene.toml");
     std::ofstream(directory_ / "notes.txt") << "";
     testing_cli::fs::create_directory(directory_ / "folder");
@@ -20,7 +19,8 @@ class Shell : public testing_cli::Command {
 
   /// Completions that bash offers for the last of the words.
   Words completed(const std::string& words) const {
-    std::ofstream(directory_ / "ask.bash") << "source completion.bash\nCOMP_WORDS=(viscobar " << words
+    std::ofstream(directory_ / "ask.bash") << "viscobar() { '" VISCOBAR_COMMAND "' \"$@\"; }\nsource '" << shell
+                                           << "/viscobar.bash'\nCOMP_WORDS=(viscobar " << words
                                            << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_viscobar\n"
                                               "printf '%s\\n' \"${COMPREPLY[@]}\"\n";
     EXPECT_EQ(run("bash ask.bash >offered.txt"), 0);
@@ -31,14 +31,22 @@ class Shell : public testing_cli::Command {
     return found;
   }
 
+  std::string man_page() const {
+    EXPECT_EQ(run("sh '" + shell + "/man.sh' '" VISCOBAR_COMMAND "' >viscobar.1"), 0);
+    return read_text(directory_ / "viscobar.1");
+  }
+
   int run(const std::string& line) const {
     return std::system(("cd '" + directory_.string() + "' && " + line).c_str());
   }
+
+ private:
+  const std::string shell = VISCOBAR_SOURCE_DIR "/cmake/shell";
 };
 
 TEST_F(Shell, BashCompletesCommandsAndOptions) {
   EXPECT_EQ(completed("pre"), Words{"precision"});
-  EXPECT_EQ(completed("com"), (Words{"compare", "completion"}));
+  EXPECT_EQ(completed("com"), Words{"compare"});
   EXPECT_EQ(completed("limit --ep"), Words{"--epsilon"});
   EXPECT_EQ(completed("run scene.toml --o"), Words{"--output"});
   EXPECT_EQ(completed("list --thr"), Words{});
@@ -58,7 +66,7 @@ TEST_F(Shell, BashCompletesKeysChoicesAndFiles) {
 }
 
 TEST_F(Shell, ManPageNamesEveryCommandOptionAndKey) {
-  const std::string page = viscobar("man").out;
+  const std::string page = man_page();
   const auto has = [&](std::string text) {
     for (std::size_t at = 0; (at = text.find('-', at)) != text.npos; at += 2) text.replace(at, 1, "\\-");
     return page.find(text) != page.npos;
@@ -73,7 +81,7 @@ TEST_F(Shell, ManPageNamesEveryCommandOptionAndKey) {
 
 TEST_F(Shell, ManPageIsSetWithoutWarnings) {
   if (run("groff --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "groff is not installed";
-  std::ofstream(directory_ / "viscobar.1") << viscobar("man").out;
+  man_page();
   EXPECT_EQ(run("groff -man -ww -Tutf8 -z viscobar.1 2>warnings.txt"), 0);
   EXPECT_EQ(read_text(directory_ / "warnings.txt"), "");
 }

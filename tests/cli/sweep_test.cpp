@@ -131,34 +131,6 @@ TEST_F(Sweep, RowsDoNotDependOnTheNumberOfRanks) {
   }
 }
 
-// A case waits for its neighbour's row, in whichever thread or rank that is made, or before a kill.
-TEST_F(Sweep, RowsThatBeginAtANeighbourDoNotDependOnWhoMakesThem) {
-  write("bar.toml", "[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\n[initial]\nvelocity = -1\n[time]\nend = 2.5\n");
-  write("close.toml",
-        "scene = \"bar.toml\"\n[vary]\nbar.viscosity = { from = 1, to = 0.01, count = 4, spacing = \"log\" }\n"
-        "left.gap = { from = 0, to = 0.3, count = 16 }\n");
-  const std::string arguments = "sweep close.toml --error 1e-6 --quiet -o ";
-  ASSERT_EQ(viscobar(arguments + "one --threads 1").code, 0);
-  ASSERT_EQ(viscobar(arguments + "five --threads 5").code, 0);
-  EXPECT_EQ(table("five"), table("one"));
-  EXPECT_NE(table("one").find(",chosen_elements,chosen_tolerance,chosen_step,chosen_epsilon,neighbour\n"),
-            std::string::npos);
-  int kills = 0;
-  const auto killed = [&] {
-    const std::chrono::milliseconds after(30 + 3 * kills);
-    return stopped_by(SIGKILL, arguments + "killed --threads 2", [&] { std::this_thread::sleep_for(after); }) != 0;
-  };
-  while (killed() && kills < 200) ++kills;
-  ASSERT_EQ(viscobar(arguments + "killed").code, 0);
-  EXPECT_EQ(table("killed"), table("one"));
-  for (const std::string ranks : {"2", "4"}) {
-    const auto code = under_mpirun(ranks, arguments + "ranks" + ranks);
-    if (!code) GTEST_SKIP() << "no mpirun, or built without MPI";
-    ASSERT_EQ(code, 0);
-    EXPECT_EQ(table("ranks" + ranks), table("one"));
-  }
-}
-
 // They take longer to load than a small bar to run. (Debian 13's SUNDIALS loads them itself.)
 TEST_F(Sweep, LoadsNoLibraryOfMpiUnlessMpirunStartedIt) {
   constexpr const char* of_sundials =

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
 #include <optional>
 
+#include "results/json.hpp"
 #include "support/absolute_tolerance.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -18,7 +18,6 @@
 namespace viscobar {
 namespace {
 
-using Json = nlohmann::json;
 using Overrides = std::vector<std::string>;
 
 std::string example(const std::string& name) {
@@ -48,13 +47,13 @@ step = 1e-3
 every = 0.01
 )";
 
-struct Told {
+struct Accounts {
   double run, compare, sweep;  // impulse of the left end
   double peak, peak_in_sweep;
   Json span;  // of the summary
 };
 
-Told told(const std::string& text, const Overrides& overrides) {
+Accounts told(const std::string& text, const Overrides& overrides) {
   const Scratch scratch;
   const SceneFile scene = parse_scene(text, "scene", overrides);
   const Json summary = Json::parse(record_run(scene, scratch / "out").summary);
@@ -90,11 +89,11 @@ TEST(Account, RunCompareAndSweepTellOneImpulseAtEveryOutputInterval) {
       {example("unit-span"),
        {"method.name=\"cvode\"", "time.end=3", "span.gap=0.05", "left.kind=\"obstacle\"", "left.gap=0.05"}}};
   for (const auto& [text, overrides] : scenes) {
-    std::optional<Told> first;
+    std::optional<Accounts> first;
     for (const char* every : {"0.01", "0.11", "0.5"}) {
       Overrides all = overrides;
       all.push_back(std::string("output.every=") + every);
-      const Told now = told(text, all);
+      const Accounts now = told(text, all);
       if (!first) first = now;
       SCOPED_TRACE(text.substr(0, 40) + " " + (overrides.empty() ? "" : overrides.front()) + " " + every);
       EXPECT_GT(now.run, 0.0);

@@ -201,18 +201,17 @@ TEST_F(SweepFileTest, TheTableGivesBackEveryRowBitForBit) {
   }
   const std::vector<SweepRow> back = SweepTable(scratch_ / "sweep.h5", sweep.plan, sweep.identity()).read();
   ASSERT_EQ(back.size(), 3u);
-  const SweepRow* written[] = {&rows[1], &rows[2], &rows[0]};
-  const SweepRow* read_back[] = {&back[0], &back[1], &back[2]};
-  EXPECT_EQ(sweep_csv(sweep.plan, read_back), sweep_csv(sweep.plan, written));
-  EXPECT_EQ(timings_csv(read_back), timings_csv(written));
+  const std::vector<const SweepRow*> written = {&rows[1], &rows[2], &rows[0]},
+                                     read_back = {&back[0], &back[1], &back[2]};
+  for (const auto& columns : {sweep_columns(sweep.plan), timing_columns()})
+    EXPECT_EQ(csv_of(columns, read_back), csv_of(columns, written));
 }
 
 TEST_F(SweepFileTest, EveryColumnIsDocumented) {
   std::ostringstream page;
   page << std::ifstream(VISCOBAR_SOURCE_DIR "/docs/sweep.md").rdbuf();
   for (const QuantityColumn& column : quantity_columns()) {
-    const std::string row = "| `" + std::string(column.name) + "` | " + std::string(column.unit) + " | " +
-                            std::string(column.meaning) + " |";
+    const std::string row = "| `" + column.name + "` | " + column.unit + " | " + column.meaning + " |";
     EXPECT_NE(page.str().find(row), std::string::npos) << row;
   }
 }

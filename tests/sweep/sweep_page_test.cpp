@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
+#include "results/json.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 
 namespace viscobar {
 namespace {
-
-using Json = nlohmann::json;
 
 SweepFile two_keys(const Scratch& scratch) {
   std::ofstream(scratch / "falling.toml") << falling_bar_with({{"mesh.elements", "5"}});

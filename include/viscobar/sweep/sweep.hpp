@@ -35,6 +35,13 @@ enum class Combine {
   zip    ///< the first values, the second ones, ...
 };
 
+/// A column of a sweep's table.
+struct QuantityColumn {
+  std::string name;     ///< of the column
+  std::string unit;     ///< of the quantity, "1" for a number
+  std::string meaning;  ///< in half a sentence
+};
+
 /// Which cases a sweep consists of: case i takes the value choice(i)[k] of key k.
 struct SweepPlan {
   std::vector<VariedKey> keys;               ///< that vary
@@ -44,10 +51,9 @@ struct SweepPlan {
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
-  /// Names of the columns of derivatives: QUANTITY/KEY for each of `differentiated` and each key.
-  std::vector<std::string> derivatives() const;
-  /// Names of all columns behind the quantities: chosen_columns() where an error is to be kept, then derivatives().
-  std::vector<std::string> further_columns() const;
+  /// The columns of numbers: the quantities; where an error is to be kept, elements, tolerance, step and epsilon of the
+  /// solution; then QUANTITY/KEY for each of `differentiated` and each key of `sensitivities`.
+  std::vector<QuantityColumn> columns() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   std::vector<Setting> settings(std::size_t index) const;    ///< the value of each key
 };
@@ -86,19 +92,10 @@ enum class Quantity : std::size_t {
 
 inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);  ///< their number
 
-/// How a quantity appears in tables.
-struct QuantityColumn {
-  std::string_view name;     ///< of the column
-  std::string_view unit;     ///< of the quantity, "1" for a number
-  std::string_view meaning;  ///< in half a sentence
-};
+inline constexpr std::size_t chosen_values = 4;  ///< of a row that is to keep an error
 
 /// Name, unit and meaning of each quantity, in their order.
 std::span<const QuantityColumn, quantities> quantity_columns();
-
-/// Columns of a row that is to keep an error: elements, tolerance, step and epsilon of the solution, and the neighbour
-/// with whose settings the search for them began.
-std::span<const QuantityColumn> chosen_columns();
 
 /// Numbers of a row that have derivatives: impulses, the final energy, and the times at which a contact closes and
 /// opens first.
@@ -116,9 +113,9 @@ struct SweepRow {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                                ///< NaN is what a table holds where the case has no such value
-  std::vector<double> chosen{};       ///< in the order of chosen_columns(); empty where no error is to be kept
-  std::vector<double> derivatives{};  ///< as SweepPlan::derivatives() names them; empty: all NaN
+  }();                           ///< NaN is what a table holds where the case has no such value
+  std::vector<double> chosen{};  ///< that make the columns behind the quantities; empty where no error is to be kept
+  std::vector<double> derivatives{};  ///< that make the last columns; empty: all NaN
   double seconds = 0.0;               ///< wall clock of the whole case
   double integration_seconds = 0.0;   ///< processor time of the method alone
 
@@ -126,10 +123,8 @@ struct SweepRow {
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
   /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
-  /// Value in column k of the quantities and of the further columns behind them.
+  /// Value in SweepPlan::columns()[k].
   double column(std::size_t k) const;
-  /// Settings that its neighbours begin with; absent where it did not keep its error.
-  std::optional<AccuracyStart> start() const;
 };
 
 /// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long
@@ -167,17 +162,10 @@ SweepFile read_sweep(const std::filesystem::path& file, std::span<const std::str
 SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file,
                       std::span<const std::string> overrides = {});
 
-/// The settings of a neighbouring case, which a search for a mesh begins with.
-struct NeighbourStart {
-  std::size_t index = 0;  ///< of the neighbour in the plan
-  AccuracyStart start;    ///< its settings
-};
-
 /// A case as the workers run it: the scene's text and all that is laid over it.
 struct SweepCase {
-  std::size_t index = 0;                      ///< in the plan
-  std::vector<Setting> settings;              ///< those for all cases, and the varied keys
-  std::optional<NeighbourStart> neighbour{};  ///< absent: the case searches by itself
+  std::size_t index = 0;          ///< in the plan
+  std::vector<Setting> settings;  ///< those for all cases, and the varied keys
 };
 
 /// 0 <= index < sweep.plan.size()

@@ -184,7 +184,6 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
           "Force of the obstacle on each end, at the output times: of a node that chatters, single samples.", panels};
 }
 
-// Where and when two runs are apart.
 Picture difference_map(const Comparison& check) {
   const auto runs = finished(check);
   if (runs.size() != 2 || !check.pairs.front().difference.displacement_l2 || runs[0]->recording->mesh.elements == 1)

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -148,16 +147,6 @@ void take_nodes(Recording& recording, const Mesh& mesh) {
   recording.mesh = mesh, recording.u = std::move(u), recording.v = std::move(v);
 }
 
-// Tables of the scene in which they differ, but for what a run may choose.
-std::string differing(const SceneFile& first, const SceneFile& other) {
-  const Json ours = complete(first), theirs = complete(other);
-  std::string found;
-  for (const char* table : {"bar", "left", "right", "span", "side", "initial", "load"})
-    if (ours.value(table, Json::object()) != theirs.value(table, Json::object()))
-      found += fmt::format("{}[{}]", found.empty() ? "" : ", ", table);
-  return found;
-}
-
 // The account of the end is that of its only contact. Of several an integral over the output times is all there is.
 void take_impulses(Recording& recording, const std::vector<ContactPeriod>& periods, const Json& contact) {
   for (const Where where : {Where::left, Where::right}) {
@@ -231,7 +220,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
                                              first.mesh.elements));
       take_nodes(recording, first.mesh);
     }
-    if (const std::string tables = k > 0 ? differing(scenes[0], scenes[k]) : ""; !tables.empty())
+    if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : ""; !tables.empty())
       finished.remarks.push_back(
           fmt::format("The scenes of {} and {} differ in {}", directories[0], directories[k], tables));
     if (!whole) forget_the_rest(recording);

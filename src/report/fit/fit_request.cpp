@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
@@ -20,11 +19,10 @@ namespace viscobar {
 namespace {
 
 double number(std::string_view text, const std::string& option) {
-  double value = 0.0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || rest != text.data() + text.size() || !std::isfinite(value))
+  const auto value = number_in<double>(text);
+  if (!value || !std::isfinite(*value))
     throw std::invalid_argument(fmt::format("{}: \"{}\" is no number", option, text));
-  return value;
+  return *value;
 }
 
 /// "name=value", of one of the names.

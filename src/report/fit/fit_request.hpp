@@ -18,7 +18,6 @@ struct FitRequest {
   std::size_t starts = 1, most_runs = 100;
 };
 
-/// A scene, and the study of it that was asked for.
 struct PreparedFit {
   SceneFile scene;
   FitStudy study;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,11 +26,8 @@ std::vector<Setting> of_the_bar_itself();
 PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>& schemes, SceneFile scene);
 
 struct PicturedPage;
-/// The output of `viscobar compare --with` as JSON.
 std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgement);
-/// The same for the terminal.
 std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement);
-/// The same as a page with pictures.
 PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement);
 
 }  // namespace viscobar

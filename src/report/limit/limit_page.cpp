@@ -91,35 +91,21 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
 Json to_json(const CouplingResult& result) {
   if (!result.coupling) return nullptr;
   const Coupling& c = *result.coupling;
-  Json json = {
-      {"limit", c.limit}, {"mesh_order", c.mesh_order}, {"order_in_h", detailed(c.law)}, {"meshes", Json::array()}};
-  for (const Coupling::Mesh& mesh : c.meshes)
-    json["meshes"].push_back({{"elements", mesh.elements},
-                              {"spacing", mesh.spacing},
-                              {"mesh_error", mesh.mesh_error},
-                              {"epsilon", mesh.epsilon},
-                              {"local_order", mesh.epsilon ? Json(mesh.local_order) : Json(nullptr)}});
-  return json;
+  return {{"limit", c.limit},
+          {"mesh_order", c.mesh_order},
+          {"order_in_h", detailed(c.law)},
+          {"meshes", json_of(coupling_columns(), c.meshes)}};
 }
 
 Json to_json(const std::optional<OwnMotion>& of) {
   if (!of) return nullptr;
   const auto spacing = [&](std::size_t i) { return of->meshes[i].spacing; };
-  Json json = {{"reference", of->reference},
-               {"reference_error", of->error},
-               {"penalty", detailed(of->penalty, spacing)},
-               {"scheme", detailed(of->scheme, spacing)},
-               {"apart", detailed(of->apart, spacing)},
-               {"meshes", Json::array()}};
-  for (const OwnMotion::Mesh& mesh : of->meshes)
-    json["meshes"].push_back({{"elements", mesh.elements},
-                              {"spacing", mesh.spacing},
-                              {"penalty", mesh.penalty},
-                              {"scheme", mesh.scheme},
-                              {"apart", mesh.apart},
-                              {"epsilon", mesh.epsilon},
-                              {"step", mesh.step}});
-  return json;
+  return {{"reference", of->reference},
+          {"reference_error", of->error},
+          {"penalty", detailed(of->penalty, spacing)},
+          {"scheme", detailed(of->scheme, spacing)},
+          {"apart", detailed(of->apart, spacing)},
+          {"meshes", json_of(own_motion_columns(), of->meshes)}};
 }
 
 std::string head(const LimitStudy& study, const LimitResult& result) {
@@ -166,6 +152,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   const LimitOrders& orders = result.orders[best];
   Json json;
   json["title"] = study.scene.scene.title;
+  json["completed"] = result.failed.empty();
   json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, result, best);
   json["order_penetration"] = order_or_null(orders.penetration);
@@ -175,8 +162,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   json["budget"] = study.budget;
   json["mass"] = name(resolve(study.scene).mass);
   json["restitution"] = study.scene.restitution;
-  json["rows"] = Json::array();
-  for (const LimitRow& row : result.rows) json["rows"].push_back(json_of(limit_columns(), row));
+  json["rows"] = json_of(limit_columns(), result.rows);
   json["failed"] = Json::array();
   for (const FailedRun& run : result.failed)
     json["failed"].push_back({{"epsilon", run.epsilon}, {"elements", run.elements}, {"error", run.what}});
@@ -256,10 +242,10 @@ std::string limit_text(const LimitStudy& study, const LimitResult& result, const
                     result.orders[finest(result)].elements, study.estimate->total, study.estimate->kept ? "" : "not ");
   if (result.own_motion)
     out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion),
-                       text(own_motion_table(*result.own_motion, plain_number)));
+                       text(table_of(own_motion_columns(), result.own_motion->meshes, plain_number, 0)));
   if (result.orders.size() > 1) {
     out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
-    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, plain_number));
+    if (coupling.coupling) out += text(table_of(coupling_columns(), coupling.coupling->meshes, plain_number, 0));
   }
   return out;
 }
@@ -282,11 +268,11 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
   if (result.own_motion)
     page.add_section("The bar's own motion",
                      fmt::format("<p>{}</p>\n{}", escaped(own_motion_sentence(*result.own_motion)),
-                                 html(own_motion_table(*result.own_motion, readable_number))));
+                                 html(table_of(own_motion_columns(), result.own_motion->meshes, readable_number, 0))));
   if (result.orders.size() > 1)
     page.add_section("Penalty and mesh in balance",
                      fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),
-                                 coupling.coupling ? html(coupling_table(*coupling.coupling, readable_number)) : ""));
+                                 coupling.coupling ? html(table_of(coupling_columns(), coupling.coupling->meshes, readable_number, 0)) : ""));
   page.add_section("Every run", html(limit_table(result, readable_number)));
   return page.with_figures();
 }

@@ -46,7 +46,6 @@ std::vector<Point> points_of(std::span<const LimitRow> rows, Value value) {
 
 using Lines = std::vector<std::vector<Point>>;
 
-/// A line for each mesh.
 template <class Value>
 Lines lines_of(const LimitResult& result, Value value) {
   Lines lines;

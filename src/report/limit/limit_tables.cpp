@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "case/massless.hpp"
 
@@ -48,7 +47,6 @@ std::string within(const char* of, const std::optional<double>& error) {
   return error ? fmt::format("{} is {:.2g} away at most", of, *error) : fmt::format("{} does not settle", of);
 }
 
-// Reason of an undecided verdict, and the remedy.
 std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
   const LimitEvidence& evidence = orders.evidence;
   std::string budget;
@@ -221,16 +219,16 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
   return table;
 }
 
-Table own_motion_table(const OwnMotion& motion, NumberText number) {
-  Table table{{"elements", "h", "penalty's limit to the bar", "scheme's limit to the bar", "limits apart", "epsilon(h)",
-               "dt(h)"},
-              0,
-              {}};
-  const auto cell = [&](const std::optional<double>& value) { return value ? number(*value) : std::string("outside"); };
-  for (const OwnMotion::Mesh& mesh : motion.meshes)
-    table.rows.push_back({fmt::format("{}", mesh.elements), number(mesh.spacing), number(mesh.penalty),
-                          number(mesh.scheme), number(mesh.apart), cell(mesh.epsilon), cell(mesh.step)});
-  return table;
+const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns() {
+  using Mesh = OwnMotion::Mesh;
+  static const std::vector<Column<Mesh>> columns = {column("elements", "elements", &Mesh::elements),
+                                                    column("spacing", "h", &Mesh::spacing),
+                                                    column("penalty", "penalty's limit to the bar", &Mesh::penalty),
+                                                    column("scheme", "scheme's limit to the bar", &Mesh::scheme),
+                                                    column("apart", "limits apart", &Mesh::apart),
+                                                    column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
+                                                    column("step", "dt(h)", &Mesh::step).or_else("outside")};
+  return columns;
 }
 
 std::string own_motion_sentence(const OwnMotion& motion) {
@@ -248,13 +246,15 @@ std::string own_motion_sentence(const OwnMotion& motion) {
                         motion.reference, motion.error);
 }
 
-Table coupling_table(const Coupling& coupling, NumberText number) {
-  Table table{{"elements", "h", "error of the mesh", "epsilon(h)", "local power of epsilon"}, 0, {}};
-  for (const Coupling::Mesh& mesh : coupling.meshes)
-    table.rows.push_back({fmt::format("{}", mesh.elements), number(mesh.spacing), number(mesh.mesh_error),
-                          mesh.epsilon ? number(*mesh.epsilon) : "outside",
-                          mesh.epsilon ? fmt::format("{:.2f}", mesh.local_order) : "-"});
-  return table;
+const std::vector<Column<Coupling::Mesh>>& coupling_columns() {
+  using Mesh = Coupling::Mesh;
+  const auto order = [](const Mesh& mesh) { return mesh.epsilon ? Cell(mesh.local_order) : Cell(); };
+  static const std::vector<Column<Mesh>> columns = {
+      column("elements", "elements", &Mesh::elements), column("spacing", "h", &Mesh::spacing),
+      column("mesh_error", "error of the mesh", &Mesh::mesh_error),
+      column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
+      Column<Mesh>{"local_order", "local power of epsilon", order}.or_else("-")};
+  return columns;
 }
 
 std::string coupling_sentence(const CouplingResult& result, NumberText number) {

@@ -12,7 +12,6 @@
 
 namespace viscobar {
 
-/// The rows of the m-th mesh.
 std::span<const LimitRow> rows_of(const LimitResult& result, std::size_t mesh);
 
 /// The mesh with most elements, whose verdict is the study's.
@@ -40,9 +39,9 @@ std::string limit_sentence(const LimitOrders& orders);
 const std::vector<Column<LimitRow>>& limit_columns();
 Table limit_table(const LimitResult& result, NumberText number);
 Table order_table(const LimitStudy& study, const LimitResult& result);
-Table own_motion_table(const OwnMotion& motion, NumberText number);
+const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns();
 std::string own_motion_sentence(const OwnMotion& motion);
-Table coupling_table(const Coupling& coupling, NumberText number);
+const std::vector<Column<Coupling::Mesh>>& coupling_columns();
 std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
 
 // The pictures of the page, epsilon on a logarithmic axis.

@@ -32,7 +32,6 @@ Axis fitted(std::string label, double low, double high);
 /// A logarithmic axis over whole decades that hold the positive values low <= high.
 Axis fitted_decades(std::string label, double low, double high);
 
-/// Least and greatest of what it was given.
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
 

@@ -23,7 +23,6 @@ ColourMap sequential();
 /// Blue over near white to brown, the middle standing for zero.
 ColourMap diverging();
 
-/// #rrggbb
 std::string hex(Colour colour);
 
 /// CSS variable of the i-th colour of the palette (eight; the first four are told apart by colour-blind eyes).

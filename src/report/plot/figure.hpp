@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
@@ -39,9 +38,7 @@ class Figure {
  public:
   Figure(Axis x, Axis y, double height = 260.0);
 
-  /// Vertical bands.
   void shade(std::span<const Interval> bands, const std::string& colour, std::string_view legend = {});
-  /// A horizontal line through the frame.
   void level(double y, const Style& style, std::string_view legend = {});
   /// A solid body below y over the part of x, or above it.
   void body(double y, Interval part, bool above = false);
@@ -50,7 +47,6 @@ class Figure {
   void line(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void markers(std::span<const Point> points, const std::string& colour, std::string_view legend = {},
                std::size_t shape = 0);
-  /// A line with a marker at each of its points.
   void series(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void label(Point at, std::string_view text);
   /// A vertical line through the frame, the text at its top.
@@ -77,13 +73,11 @@ class Figure {
   void colour_bar(const ColourMap& map, const Axis& values, std::string_view symbol);
   /// A line of the legend that stands for nothing drawn by line().
   void legend_box(const std::string& colour, std::string_view text);
-  /// A line of the legend without a mark.
   void legend_note(std::string_view text);
 
   /// From here on, until that is over, for readers without the page's script, which draws the same in motion.
   void begin_still();
   void end_still();
-  /// How high the picture is where the script draws it.
   void set_live_height(double height) { live_height_ = height; }
 
   /// Inline SVG, whose colours are variables of the page. @param title read out in place of the picture
@@ -113,7 +107,6 @@ class Figure {
   std::size_t gradients_ = 0;
 };
 
-/// How the SVG of every figure looks.
 std::string_view drawing_css();
 
 }  // namespace viscobar::plot

@@ -3,10 +3,8 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <new>
-#include <string_view>
 
 namespace viscobar::plot {
 

@@ -34,12 +34,6 @@ std::vector<Point> ThinnedLine::points() const {
   return kept;
 }
 
-std::vector<Point> thin(std::span<const Point> line, std::size_t capacity) {
-  ThinnedLine thinned(capacity);
-  for (const Point& point : line) thinned.add(point);
-  return thinned.points();
-}
-
 void ThinnedIntervals::add(Interval interval) {
   intervals_.push_back(interval);
   if (intervals_.size() < 2 * capacity) return;

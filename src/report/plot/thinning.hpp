@@ -41,7 +41,6 @@ class Thinned {
   }
   const std::vector<Bucket>& buckets() const { return buckets_; }
   std::size_t stride() const { return stride_; }
-  /// Items in the last bucket.
   std::size_t in_last() const { return in_last_; }
 
   static void members(auto& self, auto&& each) { each(self.stride_, self.in_last_, self.buckets_); }
@@ -72,9 +71,6 @@ class ThinnedLine {
   };
   Thinned<Bucket> thinned_;
 };
-
-/// The same of a line that is there.
-std::vector<Point> thin(std::span<const Point> line, std::size_t capacity = 600);
 
 struct Interval {
   double begin, end;

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "report/precision/precision_tables.hpp"
 #include "results/json.hpp"
 #include "text/number.hpp"
@@ -76,12 +78,12 @@ void for_each_advice(const PrecisionResult& result, NumberText number, auto&& te
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
   Json json;
   json["title"] = study.scene.scene.title;
+  json["completed"] =
+      std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
   json["norm"] = norm(result);
   json["reference"] = to_json(result);
   json["epsilon"] = study.scene.epsilon;
-  json["rows"] = Json::array();
-  const auto columns = precision_columns(result);
-  for (const PrecisionRow& row : result.rows) json["rows"].push_back(json_of(columns, row));
+  json["rows"] = json_of(precision_columns(result), result.rows);
   json["parts"] = Json::array();
   for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts));
   json["left_out"] = Json::array();

@@ -12,7 +12,6 @@
 
 namespace viscobar {
 
-/// The rows that belong to a method on a mesh.
 std::span<const PrecisionRow> rows_of(const PrecisionResult& result, const ErrorParts& parts);
 
 /// True if a reference can tell an error from its own.
@@ -39,7 +38,6 @@ std::string reference_sentence(const PrecisionResult& result, NumberText number)
 Table time_reference_table(const PrecisionResult& result, NumberText number);
 Table mesh_table(const PrecisionReference& reference, NumberText number);
 
-/// Failed runs, omissions and warnings.
 std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result);
 
 /// Advice on cost: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.

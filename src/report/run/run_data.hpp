@@ -40,7 +40,6 @@ class ThinnedField {
   std::span<const double> row(std::size_t row) const { return at(row).values; }
   const std::vector<double>& x() const { return x_; }
   plot::Range range() const;
-  /// Its least and its greatest value at each place.
   std::pair<std::vector<double>, std::vector<double>> envelope() const;
 
   std::size_t time_stride() const { return kept_.stride(); }
@@ -106,7 +105,6 @@ class ReportData {
     plot::ThinnedLine left{buckets}, right{buckets};
     static void members(auto& slopes, auto&& each) { each(slopes.left, slopes.right); }
   };
-  /// Readings of a gauge.
   struct Readings {
     plot::ThinnedLine displacement{buckets}, stress{buckets};
     static void members(auto& readings, auto&& each) { each(readings.displacement, readings.stress); }
@@ -133,7 +131,6 @@ class ReportData {
          data.readings, data.first_events, data.marked_events);
   }
 
-  /// Contact springs exist: an obstacle and a penalised method.
   bool has_springs() const { return has_springs_; }
 
  private:

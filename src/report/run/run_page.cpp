@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <utility>
-
 #include "case/regime.hpp"
 #include "results/csv.hpp"
 #include "scene/unit_names.hpp"
@@ -23,7 +20,6 @@ constexpr std::string_view whole_run = "<!--whole run-->";
 
 std::string seconds(double value) { return readable(value, 3) + " s"; }
 
-/// A number for people with its unit.
 class InUnits {
  public:
   explicit InUnits(const Case& run) : units_(run.scene.units) {}

@@ -21,7 +21,6 @@ void tell_whole_run(Page& page, double wall_seconds);
 /// The estimate of a run's error as rows of a terminal's table, name and value.
 std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate);
 
-/// How the values of a field are coloured.
 struct FieldColours {
   plot::ColourMap map;
   plot::Axis values;  ///< the ends of the scale
@@ -34,7 +33,6 @@ struct FieldColours {
 /// Colours of a field. Values of two signs have a scale whose pale middle is zero.
 FieldColours colours_of(const ThinnedField& field, const std::string& label);
 
-/// The time of a page's pictures.
 plot::Axis time_axis(const ThinnedField& field, const Units& units);
 
 /// A field over time, to the right, and space, upwards; `symbol` is what its values are called.
@@ -47,7 +45,6 @@ std::string map_remark(const Case& run, const ThinnedField& field, const FieldCo
 /// Output times of the field at about `count` equal distances.
 std::vector<std::size_t> rows_of_few_times(const ThinnedField& field, std::size_t count);
 
-/// A line of a picture over time, as points of the run's data.
 struct TimeLine {
   std::vector<plot::Point> points;
   plot::Style style;
@@ -68,7 +65,6 @@ plot::Figure over_time(const Case& run, const ReportData& data, const std::strin
 FieldColours field_colours(const Case& run, const ReportData& data);
 FieldColours stress_colours(const Case& run, const ReportData& data);
 
-/// The pictures of a report.
 Picture displacement_map(const Case& run, const ReportData& data, const FieldColours& colours);
 Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);

@@ -28,7 +28,6 @@ double rounded_down(double most) {
   return power;
 }
 
-/// A wall and its places at the times of the field.
 struct Moving {
   Figure::Wall wall;
   std::vector<double> places;

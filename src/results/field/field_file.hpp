@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -37,7 +36,6 @@ struct FieldMark {
 
   static void members(auto& mark, auto&& each) { each(mark.rows, mark.length, mark.regions, mark.others); }
 
-  /// Checksum of the whole file.
   Checksum checksum() const;
   /// @throws IoError when values in the file are no longer those of the mark
   void check_values(const std::filesystem::path& file) const;
@@ -83,7 +81,6 @@ class FieldFile {
   void take_place();
   void append(const Snapshot& snapshot);
   void flush();
-  /// Brings all rows to the disk.
   FieldMark mark();
   void close();
 

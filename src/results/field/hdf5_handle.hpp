@@ -16,7 +16,6 @@ namespace viscobar {
 
 void set_hdf5_failed();  ///< hdf5_failed() is true from now on
 
-/// Owns an HDF5 identifier.
 template <herr_t (*Close)(hid_t)>
 class Hdf5Handle {
  public:
@@ -78,7 +77,6 @@ Hdf5Dataset hdf5_dataset(const std::filesystem::path& path, const Hdf5File& file
 Hdf5Dataset new_dataset(const std::filesystem::path& path, const Hdf5File& file, const std::string& name, hid_t type,
                         std::span<const hsize_t> extent, hid_t properties = H5P_DEFAULT);
 
-/// All values of a dataset.
 void read_values(const std::filesystem::path& path, const Hdf5Dataset& dataset, hid_t type, void* values);
 
 /// A space of doubles and the rows of a dataset, all of their columns, that they are: for reading or writing them.

@@ -37,12 +37,10 @@ class XdmfFile {
  public:
   XdmfFile(std::filesystem::path path, std::size_t nodes);
 
-  /// Writes one without times.
   void begin();
   /// Adds the next times; their rows must be in the field file by now.
   void append(std::span<const double> times);
   void close();
-  /// Checksum of the file as it is.
   Checksum checksum() const;
 
  private:

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <mutex>
-#include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "case/scene_numbers.hpp"
 #include "studies/ensemble/lane_levels.hpp"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <utility>
 
 #include "studies/compare/matching.hpp"
 #include "viscobar/studies/compare/difference.hpp"

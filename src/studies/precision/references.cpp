@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "studies/parallel.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
