@@ -158,7 +158,7 @@ std::vector<double> in_parts(const std::string& text) {
   std::vector<double> u;
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) { u.insert(u.end(), now.u.begin(), now.u.end()); };
-  observers.checkpoints.emplace().every = 0.37;
+  observers.checkpoints = {.every = 0.37, .asked = {}, .take = [](const Checkpoint&) { return RunControl::go_on; }};
   simulate(setup, setup.system(), observers);
   return u;
 }
