@@ -93,7 +93,7 @@ std::string section_text(const Scene& scene) {
 std::string side_text(const Scene& scene) {
   const auto range = [&](const SpaceFunction& f, auto&& of) { return range_along(scene, f, of); };
   if (!scene.side) return "none";
-  const auto& [stiffness, drag] = *scene.side;
+  const SpaceFunction &stiffness = scene.side->stiffness, &drag = scene.side->drag;
   const double rho = scene.bar.density;
   const auto value = [](double x) { return x; };
   std::string text;

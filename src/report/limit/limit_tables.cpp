@@ -220,14 +220,14 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
 }
 
 const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns() {
-  using Mesh = OwnMotion::Mesh;
-  static const std::vector<Column<Mesh>> columns = {column("elements", "elements", &Mesh::elements),
-                                                    column("spacing", "h", &Mesh::spacing),
-                                                    column("penalty", "penalty's limit to the bar", &Mesh::penalty),
-                                                    column("scheme", "scheme's limit to the bar", &Mesh::scheme),
-                                                    column("apart", "limits apart", &Mesh::apart),
-                                                    column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
-                                                    column("step", "dt(h)", &Mesh::step).or_else("outside")};
+  using Row = OwnMotion::Mesh;
+  static const std::vector<Column<Row>> columns = {column("elements", "elements", &Row::elements),
+                                                   column("spacing", "h", &Row::spacing),
+                                                   column("penalty", "penalty's limit to the bar", &Row::penalty),
+                                                   column("scheme", "scheme's limit to the bar", &Row::scheme),
+                                                   column("apart", "limits apart", &Row::apart),
+                                                   column("epsilon", "epsilon(h)", &Row::epsilon).or_else("outside"),
+                                                   column("step", "dt(h)", &Row::step).or_else("outside")};
   return columns;
 }
 
@@ -247,13 +247,13 @@ std::string own_motion_sentence(const OwnMotion& motion) {
 }
 
 const std::vector<Column<Coupling::Mesh>>& coupling_columns() {
-  using Mesh = Coupling::Mesh;
-  const auto order = [](const Mesh& mesh) { return mesh.epsilon ? Cell(mesh.local_order) : Cell(); };
-  static const std::vector<Column<Mesh>> columns = {
-      column("elements", "elements", &Mesh::elements), column("spacing", "h", &Mesh::spacing),
-      column("mesh_error", "error of the mesh", &Mesh::mesh_error),
-      column("epsilon", "epsilon(h)", &Mesh::epsilon).or_else("outside"),
-      Column<Mesh>{"local_order", "local power of epsilon", order}.or_else("-")};
+  using Row = Coupling::Mesh;
+  const auto order = [](const Row& mesh) { return mesh.epsilon ? Cell(mesh.local_order) : Cell(); };
+  static const std::vector<Column<Row>> columns = {
+      column("elements", "elements", &Row::elements), column("spacing", "h", &Row::spacing),
+      column("mesh_error", "error of the mesh", &Row::mesh_error),
+      column("epsilon", "epsilon(h)", &Row::epsilon).or_else("outside"),
+      Column<Row>{"local_order", "local power of epsilon", order}.or_else("-")};
   return columns;
 }
 
