@@ -14,7 +14,7 @@ struct Alarm {
   bool ruinous = false;  ///< true if nothing of the result can be relied on
 };
 
-/// What is to be said of a run whose energies are no longer numbers; absent: they are.
+/// The sentence about a run whose energies are no longer numbers; absent: they are.
 std::optional<std::string> overflow(const Statistics& statistics);
 
 /// Alarms of a run of `system`, that of the case, which came to its end, by what it knows of itself; none where it is

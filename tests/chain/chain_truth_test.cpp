@@ -302,8 +302,8 @@ TEST(RigidMember, ARamLeavesAFixedRodInTime) {
   }
 }
 
-// What a body between two contacts gains is what they give it; the second closes while the first is closed, and the
-// first has a share in that.
+// A body between two contacts gains the momentum that they give it; the second closes while the first is closed, and
+// the first has a share in that.
 TEST(RigidMember, BetweenContactsItsImpulsesAreItsMomentum) {
   for (const char* mass : {"fourth_order", "consistent", "lumped"}) {
     const Recording found = record(
