@@ -56,11 +56,9 @@ Continuous known(const std::string& what, double error, std::vector<Field> field
 
 }  // namespace
 
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patience& patience) {
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const Patience& patience) {
   Continuous result;
   PrecisionReference reference;
-  std::size_t elements = 0;
-  for (const Mesh& mesh : meshes) elements = std::max(elements, mesh.elements);
   double difference = std::numeric_limits<double>::infinity();
   const auto enough = [&] { return elements / 2 >= fine || difference <= tolerance * largest(result.fields); };
   for (std::size_t doublings = 0; doublings <= least_doublings || !enough(); ++doublings, elements *= 2) {
