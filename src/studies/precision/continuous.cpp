@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
@@ -117,6 +118,10 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, c
     Case run = scene;
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
+    if (mesh.members) {  // beside elements of the joints
+      run.bar_elements = *mesh.members;
+      run.elements = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+    }
     Statistics done;
     fields.push_back(field_of(run, mesh, patience, &done));
     if (done.representation) error = std::max(error, done.representation->error);
