@@ -22,9 +22,9 @@ std::string_view meaning(Goal goal) {
   switch (goal) {
     case Goal::displacement: return "displacements, the largest error of all nodes and output times";
     case Goal::end_traces: return "displacements of the two ends, the largest error of all output times";
-    case Goal::contact_times: return "times of the contact changes at the ends, the worst of them";
-    case Goal::impulse: return "impulses of the reactions, the worse end's";
-    case Goal::peak_reaction: return "peak reactions, the worse end's; only where they have a limit";
+    case Goal::contact_times: return "times of the contact changes at the ends and joints, the worst of them";
+    case Goal::impulse: return "impulses of the reactions, the worst end's or joint's";
+    case Goal::peak_reaction: return "peak reactions, the worst end's or joint's; only where they have a limit";
     case Goal::end_velocity: return "velocities of the two ends, the largest error of all output times";
   }
   return {};
@@ -32,15 +32,14 @@ std::string_view meaning(Goal goal) {
 
 std::optional<Finding> fault(const AccuracyRequest& request, const Setup& setup) {
   const Case& run = setup.run;
-  if (!run.scene.chain.empty())
-    return Finding{"accuracy.error", "is for one bar; of several in line no error is estimated yet"};
-  const bool obstacle = is_obstacle(run.scene.left) || is_obstacle(run.scene.right);
+  const bool obstacle = end_obstacles(run.scene) > 0 || has_contact_joint(run.scene);
   const bool of_field =
       request.of == Goal::displacement || request.of == Goal::end_traces || request.of == Goal::end_velocity;
   if (!of_field && !obstacle)
-    return Finding{"accuracy.of", fmt::format("is \"{}\", and no end has an obstacle; use \"displacement\", "
-                                              "\"end_traces\" or \"end_velocity\"",
-                                              name(request.of))};
+    return Finding{"accuracy.of",
+                   fmt::format("is \"{}\", and no end has an obstacle{}; use \"displacement\", "
+                               "\"end_traces\" or \"end_velocity\"",
+                               name(request.of), run.scene.chain.empty() ? "" : ", nor is a joint a contact")};
   if (request.of == Goal::peak_reaction)
     if (const auto why = peak_remark(setup, setup.system()))
       return Finding{"accuracy.of", fmt::format("is \"peak_reaction\": {}; use \"impulse\" or \"displacement\"", *why)};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "case/scene_numbers.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
@@ -43,22 +44,64 @@ constexpr std::pair<std::string_view, double Bar::*> of_bar[] = {{"bar.length", 
                                                                  {"bar.density", &Bar::density},
                                                                  {"bar.modulus", &Bar::modulus},
                                                                  {"bar.viscosity", &Bar::viscosity}};
+constexpr std::pair<std::string_view, double Joint::*> of_joint[] = {
+    {"gap", &Joint::gap}, {"stiffness", &Joint::stiffness}, {"damping", &Joint::damping}};
 constexpr std::pair<std::string_view, double EndInput::*> of_end[] = {
     {"stiffness", &EndInput::stiffness}, {"dashpot", &EndInput::dashpot}, {"mass", &EndInput::mass}};
 
+double* found(auto& owner, const auto& numbers, std::string_view leaf) {
+  for (const auto& [name, number] : numbers)
+    if (leaf == name) return &(owner.*number);
+  return nullptr;
+}
+
 }  // namespace
 
+std::optional<std::pair<std::size_t, std::string_view>> member_key(std::string_view table, std::string_view key) {
+  if (!key.starts_with(table) || key.size() <= table.size() || key[table.size()] != '.') return std::nullopt;
+  const std::string_view rest = key.substr(table.size() + 1);
+  const std::size_t dot = rest.find('.');
+  const auto number = dot == rest.npos ? std::nullopt : number_in<std::size_t>(rest.substr(0, dot));
+  if (!number || *number == 0) return std::nullopt;
+  return std::pair(*number, rest.substr(dot + 1));
+}
+
+double* number_of(std::vector<Member>& chain, std::string_view key) {
+  if (const auto of_bar_k = member_key("bar", key); of_bar_k && of_bar_k->first <= chain.size()) {
+    Member& member = chain[of_bar_k->first - 1];
+    if (of_bar_k->second == "mass") return member.rigid() ? &member.mass : nullptr;
+    if (member.rigid()) return nullptr;
+    for (const auto& [name, number] : of_bar)
+      if (name.substr(4) == of_bar_k->second) return &(member.bar.*number);
+  }
+  const auto of = member_key("joint", key);
+  if (!of || of->first >= chain.size()) return nullptr;
+  Joint& joint = chain[of->first - 1].joint;
+  const bool of_kind = joint.kind == (of->second == "gap" ? JointKind::contact : JointKind::spring);
+  return of_kind ? found(joint, of_joint, of->second) : nullptr;
+}
+
+SpaceFunction along(std::vector<Member> chain, SpaceFunction Member::*own) {
+  return [chain = std::move(chain), own](double x) {
+    const Member* at = &chain.front();
+    double begin = 0.0, begin_of = 0.0;
+    for (const Member& member : chain) {
+      if (!member.rigid() && (x > begin || at->rigid())) at = &member, begin_of = begin;
+      begin += member.bar.length;
+    }
+    return (at->*own)(x - begin_of);
+  };
+}
+
 double* number_of(Bar& bar, Scene& scene, std::string_view key) {
-  for (const auto& [name, number] : of_bar)
-    if (key == name) return &(bar.*number);
+  if (double* number = found(bar, of_bar, key)) return number;
   for (const bool right : {false, true}) {
     const std::string_view end = right ? "right." : "left.";
     if (!key.starts_with(end)) continue;
     const std::string_view leaf = key.substr(end.size());
     auto* obstacle = std::get_if<Obstacle>(right ? &scene.right : &scene.left);
     if (leaf == "gap" && obstacle) return &obstacle->gap;
-    for (const auto& [name, number] : of_end)
-      if (leaf == name) return &((right ? scene.right_input : scene.left_input).*number);
+    if (double* number = found(right ? scene.right_input : scene.left_input, of_end, leaf)) return number;
   }
   return nullptr;
 }
@@ -70,9 +113,6 @@ double* number_of(Case& run, std::string_view key) {
 }
 
 Direction direction(const Case& run, std::string_view key) {
-  if (!run.scene.chain.empty())
-    throw std::invalid_argument(
-        fmt::format("{}: no sensitivity with respect to it: several bars in line have none yet", key));
   const Scene& scene = run.scene;
   Direction along;
   along.key = key;
@@ -84,7 +124,18 @@ Direction direction(const Case& run, std::string_view key) {
   for (Obstacle* obstacle :
        {std::get_if<Obstacle>(&data.left), std::get_if<Obstacle>(&data.right), data.span ? &*data.span : nullptr})
     if (obstacle) obstacle->gap = 0.0;
-  double* place = number_of(along.bar, data, key);
+  data.chain = along.members = scene.chain;
+  if (!scene.chain.empty() || key == "bar.length" || key.empty())
+    data.displacement_places = scene.displacement_places, data.velocity_places = scene.velocity_places;
+  for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.displacement;
+  double* place = scene.chain.empty() || !key.starts_with("bar.") ? number_of(along.bar, data, key) : nullptr;
+  if (double* of_member = number_of(along.members, key))
+    place = key.ends_with(".gap") ? number_of(data.chain, key) : of_member;
+  for (Member& member : along.members) {
+    member.bar = {0.0, 0.0, 0.0, 0.0}, member.mass = 0.0;
+    member.joint.stiffness = member.joint.damping = 0.0;
+    if (member.joint.stop) member.joint.stop->stiffness = member.joint.stop->damping = 0.0;
+  }
   if (key == "span.gap" && data.span) place = &data.span->gap;
   if (key == "contact.epsilon") place = &along.epsilon;
   if (key == "contact.restitution") place = &along.restitution;
@@ -102,6 +153,17 @@ Direction direction(const Case& run, std::string_view key) {
       lets_go_from_here = input->stop->linear() && input->stop->damping == 0.0;
     }
   }
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k) {
+    const auto& stop = scene.chain[k].joint.stop;
+    const std::string table = fmt::format("joint.{}", k + 1);
+    if (!stop) continue;
+    if (key == stop->key(table, "stiffness")) of_stops.push_back(&along.members[k].joint.stop->stiffness);
+    if (key == stop->key(table, "damping") && has_damper(stop->law)) {
+      of_stops.push_back(&along.members[k].joint.stop->damping);
+      lets_go_from_here |= stop->linear() && stop->damping == 0.0;
+    }
+  }
+  if (key.empty()) return along;
   const auto refuse = [&](const std::string& why) {
     throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: {}", key, why));
   };
@@ -120,7 +182,8 @@ Direction direction(const Case& run, std::string_view key) {
     refuse("the scene has no such obstacle");
   if (!place)
     refuse(
-        "known are bar.length, bar.density, bar.modulus, bar.viscosity, left.gap, right.gap, span.gap, left.stiffness, "
+        "known are bar.length, bar.density, bar.modulus, bar.viscosity (of bars in line bar.1.length, bar.1.mass and so "
+        "on, joint.1.gap, joint.1.stiffness, joint.1.damping), left.gap, right.gap, span.gap, left.stiffness, "
         "left.dashpot, left.mass, right.stiffness, right.dashpot, right.mass, contact.epsilon, contact.restitution, "
         "side.stiffness, side.drag, the numbers of contact laws, and parameters.NAME");
   if (key.ends_with(".stiffness") || key.ends_with(".dashpot") || key.ends_with(".mass"))
@@ -134,6 +197,17 @@ Direction direction(const Case& run, std::string_view key) {
       refuse("the dashpot of a penalised contact has none at 0; take rigid, or a positive restitution");
   }
   *place = 1.0;
+  const auto of_chain = member_key("bar", key);
+  if (of_chain && of_chain->second == "length") {
+    if (scene.side || scene.load)
+      refuse("load and side are of x along all bars, which does not go with one of them; take fit without derivatives");
+    const Member& member = scene.chain[of_chain->first - 1];
+    Member& rate = data.chain[of_chain->first - 1];
+    rate.displacement = carried(member.displacement, member.bar.length);
+    rate.velocity = carried(member.velocity, member.bar.length);
+    data.displacement = viscobar::along(data.chain, &Member::displacement);
+    data.velocity = viscobar::along(data.chain, &Member::velocity);
+  }
   if (key == "bar.length") {
     if (scene.side)
       along.data.side =
@@ -142,8 +216,6 @@ Direction direction(const Case& run, std::string_view key) {
                          scene.side->stiffness_places, scene.side->drag_places};
     data.displacement = carried(scene.displacement, scene.bar.length);
     data.velocity = carried(scene.velocity, scene.bar.length);
-    data.displacement_places = scene.displacement_places;
-    data.velocity_places = scene.velocity_places;
     if (scene.load) data.load = carried_load(*scene.load, scene.bar.length);
   }
   return along;

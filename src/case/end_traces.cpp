@@ -16,12 +16,18 @@ EndTraces empty_traces(const Case& run, std::size_t times) {
   traces.left.reserve(times);
   traces.right.reserve(times);
   if (run.scene.span) traces.between.resize(intervals - 1);
+  for (std::size_t k = 0; k + 1 < run.scene.chain.size(); ++k)
+    if (run.scene.chain[k].joint.kind != JointKind::bonded) traces.between.resize(traces.between.size() + 2);
   return traces;
 }
 
-void keep(const Mesh& mesh, std::span<const double> u, EndTraces& traces) {
+void keep(const BarSystem& system, std::span<const double> u, EndTraces& traces) {
   traces.left.push_back(u.front());
   traces.right.push_back(u.back());
+  for (std::size_t k = 0; k < system.joints().size(); ++k)
+    for (const std::size_t side : {0, 1}) traces.between[2 * k + side].push_back(u[system.joints()[k].node - 1 + side]);
+  if (system.is_chain()) return;
+  const Mesh& mesh = system.mesh();
   for (std::size_t i = 0, e = 0; i < traces.between.size(); ++i) {
     const double x = mesh.length * static_cast<double>(i + 1) / intervals;
     while (mesh.node(e + 1) < x) ++e;
@@ -42,9 +48,9 @@ EndTraces trace_ends(const Case& run, std::span<const double> times,
   observers.off_the_clock = observers.reactions = false;
   observers.directions = run.directions;
   observers.snapshot = [&](const Snapshot& s) {
-    keep(system.mesh(), s.u, traces);
+    keep(system, s.u, traces);
     for (std::size_t k = 0; k < s.sensitivities.size(); ++k)
-      keep(system.mesh(), s.sensitivities[k].u, traces.sensitivities[k]);
+      keep(system, s.sensitivities[k].u, traces.sensitivities[k]);
   };
   observers.event = [&](const Event& event) { traces.events.push_back(event); };
   observers.progress = progress;

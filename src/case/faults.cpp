@@ -221,7 +221,6 @@ void check_chain(const Setup& setup, Findings& findings) {
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
   refuse(run.grading != 1.0, "mesh.grading", "graded elements");
   refuse(static_cast<bool>(run.nodes), "mesh.nodes", "given nodes");
-  refuse(!run.directions.empty(), "sensitivity.of", "sensitivities");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
     const EndInput& input = right ? scene.right_input : scene.left_input;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "viscobar/case/case.hpp"
 
@@ -8,6 +11,12 @@ namespace viscobar {
 
 /// The number with that key of a scene file, of `bar`, or of the ends of `scene`; null: there is none.
 double* number_of(Bar& bar, Scene& scene, std::string_view key);
+/// The same of a member of a chain, such as bar.2.modulus or joint.1.gap.
+double* number_of(std::vector<Member>& chain, std::string_view key);
+/// A function of its members as one of x along it, at a joint that of the left one.
+SpaceFunction along(std::vector<Member> chain, SpaceFunction Member::*own);
+/// Number and leaf of a key of a member: 2, "modulus" of "bar.2.modulus" and the table "bar"; absent: it is none.
+std::optional<std::pair<std::size_t, std::string_view>> member_key(std::string_view table, std::string_view key);
 /// The same of a case, and its restitution.
 double* number_of(Case& run, std::string_view key);
 

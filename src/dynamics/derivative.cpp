@@ -93,12 +93,16 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                         std::abs(rates.mass) / (bar.density * bar.length);
   }
   take_side(direction, stretched);
+  if (system.bar().is_chain()) take_chain(direction);
   const double least_damping = std::sqrt(bar.density / bar.modulus);  // of lambda; small beside that of a dashpot
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
     if (const Stop* stop = system.stop(i)) {
-      const bool right = system.contact(i).where == Where::right;
-      if (const auto& own = (right ? direction.data.right_input : direction.data.left_input).stop)
+      const Contact& contact = system.contact(i);
+      const bool right = contact.where == Where::right;
+      if (const auto& own = contact.joint > 0 ? direction.members[contact.joint - 1].joint.stop
+                            : right           ? direction.data.right_input.stop
+                                              : direction.data.left_input.stop)
         rates = {own->stiffness, own->damping};
       relative_change_ += std::abs(rates.stiffness) / stop->stiffness;
       if (rates.damping != 0.0) relative_change_ += std::abs(rates.damping) / std::max(stop->damping, least_damping);
@@ -110,8 +114,9 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       const double stiffer = (contact.where == Where::span ? stretched : 0.0) - direction.epsilon / *penalty.epsilon;
       rates.stiffness = law.stiffness * stiffer;
       rates.damping = 0.5 * law.damping * (stiffer + inertia_);
+      if (chain_ && law.damping > 0.0) rates.damping += 0.5 * law.damping * mass_growth(contact);
       for (const Mount& mount : mounts_)
-        if (mount.unknown == contact.unknown && law.damping > 0.0)
+        if (mount.unknown == contact.unknown && law.damping > 0.0 && !chain_)
           rates.damping += 0.5 * law.damping * mount.mass / system.bar().contact_mass(contact);
       if (direction.restitution != 0.0 && !system.bar().massless(contact.unknown))
         rates.damping += 2.0 * damping_ratio_rate(penalty.restitution) * direction.restitution *
@@ -130,7 +135,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
-  driven_ = !mounts_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
+  driven_ = chain_ || !mounts_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.add_force(added_, {});
 }
@@ -212,9 +217,8 @@ auto Derivative::moving(std::span<const double> w) const {
 void Derivative::drive(const Moment& at) {
   if (system_.bar().moving())
     for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
-  for (const auto& [i, law] : system_.bent()) {
+  for (const auto& [i, law] : system_.bent())
     motion_.linearise(i, system_.tangent(i, system_.clearance(i, at.u), system_.contact(i).of(at.w)));
-  }
   if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
@@ -231,6 +235,21 @@ void Derivative::drive(const Moment& at) {
   add(modulus_, at.strain);
   add(viscosity_, at.strain_rate);
   if (!begun) std::ranges::fill(added_, 0.0);
+  if (chain_) {
+    const auto subtract = [&] {
+      for (std::size_t i = 0; i < n; ++i) added_[i] -= product_[i];
+    };
+    if (!at.a.empty()) {
+      chain_->inertia.multiply(at.a, product_);
+      subtract();
+    }
+    chain_->stiffness.multiply([&](std::size_t i) { return at.u[i] + system_.origin_at(i); }, product_);
+    chain_->stiffness.add_walls(bar.left_displacement().value_or(0.0), bar.right_displacement().value_or(0.0),
+                                product_);
+    subtract();
+    chain_->viscosity.multiply([&](std::size_t i) { return at.w[i]; }, product_);
+    subtract();
+  }
   std::array<double, 2> rates{};
   if (n > 1 && bar.has_massless() && !bar.damped())
     rates = {modulus_ * (at.w[1] - at.w[0]) / bar.stretch_at(0),
@@ -249,7 +268,12 @@ void Derivative::drive(const Moment& at) {
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!system_.closed(i) || system_.holds(i)) continue;
     const std::size_t node = system_.contact(i).unknown;
-    added_[node] += law_rate(i, system_.clearance(i, at.u), at.w[node]);
+    const double push = law_rate(i, system_.clearance(i, at.u), system_.contact(i).of(at.w));
+    added_[node] += push;
+    if (system_.contact(i).joint > 0) {
+      added_[node - 1] -= push;
+      continue;
+    }
     if (node == 0) rates[0] -= laws_[i].stiffness * at.w[node];
     if (node + 1 == n) rates[1] -= laws_[i].stiffness * at.w[node];
   }
@@ -328,8 +352,8 @@ double Derivative::law_rate(std::size_t i, double clearance, double w) const {
 
 double Derivative::push_rate(std::size_t i, const Moment& at, std::span<const double> s,
                              std::span<const double> rate) const {
-  const std::size_t node = system_.contact(i).unknown;
-  return system_.push_rate(i, motion_.clearance(i, s), rate[node], at.w[node],
+  const Contact& contact = system_.contact(i);
+  return system_.push_rate(i, motion_.clearance(i, s), contact.of(rate), contact.of(at.w),
                            {.stiffness = laws_[i].stiffness, .damping = laws_[i].damping});
 }
 
@@ -340,21 +364,21 @@ double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<c
 
 double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
   const std::size_t element = right ? system_.bar().mesh().elements - 1 : 0;
-  const auto strain = [&](std::span<const double> x) {
-    return (x[element + 1] - x[element]) / system_.bar().stretch(element);
-  };
-  const double pull = modulus_ * strain(bar.u) + viscosity_ * strain(bar.v);
+  const auto stretch = [&](std::span<const double> x) { return x[element + 1] - x[element]; };
+  const double pull = elastic_of(element) * stretch(bar.u) + viscous_of(element) * stretch(bar.v);
+  double inertia = inertia_ * system_.bar().held_inertia(right, bar.a);
+  for (std::size_t k = 0; chain_ && k < std::min<std::size_t>(3, bar.a.size()); ++k)
+    inertia += chain_->held[right][k] * bar.a[right ? bar.a.size() - 1 - k : k];
   const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
   const double side = side_ ? side_->at_end(right, side_->resistance(at(bar.u), at(bar.v))) : 0.0;
-  return (right ? pull : -pull) + side + inertia_ * system_.bar().held_inertia(right, bar.a) +
+  return (right ? pull : -pull) + side + inertia +
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
 }
 
 double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,
                             std::span<const double> rate) const {
-  const SymmetricTridiagonal& inertia = system_.bar().inertia();
   const std::size_t n = s.size();
-  const auto row = [&](std::span<const double> x) {
+  const auto row = [&](const SymmetricTridiagonal& inertia, std::span<const double> x) {
     double sum = inertia.diagonal[end] * x[end];
     if (!inertia.off_diagonal.empty() && n > 1)
       sum += inertia.off_diagonal[end == 0 ? 0 : end - 1] * x[end == 0 ? 1 : end - 1];
@@ -363,10 +387,12 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     return sum;
   };
   const BarSystem& bar = system_.bar();
-  const double h = bar.stretch_at(end);
-  double sum =
-      row(rate) + inertia_ * row(at.w) +
-      (bar.bar().viscosity * stretch(end, s, {}, data_) + viscosity_ * stretch(end, at.u, system_.origin(), bar)) / h;
+  double sum = row(bar.inertia(), rate) +
+               (chain_            ? row(chain_->inertia, at.w)
+                : inertia_ == 0.0 ? 0.0
+                                  : inertia_ * row(bar.inertia(), at.w)) +
+               bar.bar().viscosity / bar.rate_stretch_at(end) * stretch(end, s, {}, data_) +
+               viscous_of(bar.element_at(end)) * stretch(end, at.u, system_.origin(), bar);
   if (bar.moving()) sum += inertia_ * lift_inertia(end, lift_[1]) + viscosity_ * lift_stretch(end, lift_[0]);
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.dashpot * s[end];
@@ -384,7 +410,8 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
 
 double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
   const BarSystem& bar = system_.bar();
-  double sum = (bar.bar().modulus * s_stretch + modulus_ * u_stretch) / bar.stretch_at(end);
+  const std::size_t element = bar.element_at(end);
+  double sum = bar.bar().modulus / bar.stretch(element) * s_stretch + elastic_of(element) * u_stretch;
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.stiffness * s;
   for (const Mount& mount : mounts_)
@@ -416,13 +443,13 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   const SymmetricTridiagonal& inertia = whole ? bar.whole_inertia() : bar.inertia();
   const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
   const double *v = w.data() + first, *of_v = of_w.data() + first;
-  double sum = 0.5 * inertia_ * inertia.quadratic_form({v, n});
+  double sum = 0.5 * (chain_ ? chain_->inertia.quadratic_form({v, n}) : inertia_ * inertia.quadratic_form({v, n}));
   for (std::size_t i = 0; i < n; ++i) sum += inertia.diagonal[i] * v[i] * of_v[i];
   for (std::size_t i = 0; i + 1 < n && !inertia.off_diagonal.empty(); ++i)
     sum += inertia.off_diagonal[i] * (v[i] * of_v[i + 1] + v[i + 1] * of_v[i]);
   for (std::size_t j = 0; j < mesh.elements; ++j) {
     const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
-    sum += (bar.bar().modulus * strain * of_strain + 0.5 * modulus_ * strain * strain) / bar.stretch(j);
+    sum += bar.bar().modulus / bar.stretch(j) * strain * of_strain + 0.5 * elastic_of(j) * strain * strain;
   }
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));

@@ -14,11 +14,14 @@ namespace viscobar {
 ///     (K x)_i = (x_i - x_{i-1}) / h_i + (x_i - x_{i+1}) / h_{i+1},       x = 0 at a fixed end.
 class UnitStiffness {
  public:
-  explicit UnitStiffness(const BarSystem& bar) {
+  explicit UnitStiffness(const BarSystem& bar)
+      : UnitStiffness(bar, [&](std::size_t e) { return 1.0 / bar.stretch(e); }) {}
+  /// With springs of_element(e) in place of them.
+  UnitStiffness(const BarSystem& bar, auto&& of_element) {
     const std::size_t first = bar.first_node();
-    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(1.0 / bar.stretch(first + i));
-    if (bar.left_fixed()) ground_[0] = 1.0 / bar.stretch(0);
-    if (bar.right_fixed()) ground_[1] = 1.0 / bar.stretch(bar.mesh().elements - 1);
+    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(of_element(first + i));
+    if (bar.left_fixed()) ground_[0] = of_element(std::size_t{0});
+    if (bar.right_fixed()) ground_[1] = of_element(bar.mesh().elements - 1);
   }
 
   /// out = K x of the values x(i), which are numbers, or what is added and multiplied as such.
@@ -50,6 +53,7 @@ class UnitStiffness {
 };
 
 class Derivative;
+struct Piece;
 
 /// A state of a penalised system, as that measures it, and what derivatives are driven by.
 struct Moment {
@@ -90,16 +94,27 @@ class MomentBuilder {
 /// the ends (see BarSystem), u, v and a in the added force are those of the bar itself, lift included, and s is
 /// measured in the frame of d lift / dp.
 ///
-/// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) So it is a
+/// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) Of bars in line each has
+/// its own numbers, and the first three terms are those of ChainRates. So it is a
 /// PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
 class Derivative {
  public:
+  /// Derivatives of the matrices of a chain: rho'/rho + L'/L of each bar in M, E' - E L'/L and eta' - eta L'/L over
+  /// int dx / A of each element, those of joints that are springs among them.
+  struct ChainRates {
+    SymmetricTridiagonal inertia;
+    std::array<std::array<double, 3>, 2> held;  ///< rows of it of fixed ends
+    std::vector<double> elastic, viscous;       ///< of each element
+    UnitStiffness stiffness, viscosity;         ///< of those
+  };
+
   /// `system` outlives it.
   Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction);
   Derivative(const Derivative&) = delete;
   Derivative& operator=(const Derivative&) = delete;
 
-  const BarSystem& data() const { return data_; }  ///< its gaps, walls and initial state
+  const BarSystem& data() const { return data_; }  ///< its gaps, walls and data of the start
+  State initial_state() const;                     ///< of s
   PenalisedSystem& motion() { return motion_; }    ///< of s
 
   /// Reference scale of s in a run up to `end`, over the natural displacement of the bar: from its own data
@@ -116,8 +131,13 @@ class Derivative {
     double viscosity, modulus;      ///< of eta K and of E K: so many times K
     std::span<const Mount> mounts;  ///< of springs, dashpots and, as above, masses
     const SideRows* side;           ///< k' + k L'/L and c' + c L'/L; null: none
+    const ChainRates* chain;        ///< in place of the first three; null: of one bar
   };
-  MatrixRates matrix_rates() const { return {inertia_, viscosity_, modulus_, mounts_, side_ ? &*side_ : nullptr}; }
+  MatrixRates matrix_rates() const {
+    return {inertia_, viscosity_, modulus_, mounts_, side_ ? &*side_ : nullptr, chain_ ? &*chain_ : nullptr};
+  }
+  /// out = (rho M)' x of a chain, springs and masses of its ends included. O(n)
+  void multiply_chain_inertia(std::span<const double> x, std::span<double> out) const;
   /// True if s has a load, or the frame an added force, that depends on time.
   bool load_varies() const { return motion_.load_varies() || (driven_ && system_.bar().moving()); }
   /// Sets the added force for the state of the bar. O(n)
@@ -131,6 +151,8 @@ class Derivative {
 
   /// Derivative of the reaction of contact i in the direction of u, the bar being at the moment driven by last.
   double reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
+  /// Derivatives of Snapshot::joint_forces.
+  std::vector<double> joint_forces(const Moment& at, std::span<const double> s, std::span<const double> rate);
   /// Derivative of the reaction whose zero opens closed contact i: the same where it holds(), else that of
   /// row_reaction().
   double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
@@ -168,6 +190,15 @@ class Derivative {
     double stiffness, damping;  // of a stop those of its numbers
   };
   void take_side(const Direction& direction, double stretched);
+  void take_chain(const Direction& direction);
+  void find_start(const Direction& direction, std::span<const Piece> pieces);
+  double mass_growth(const Contact& contact) const;
+  double elastic_of(std::size_t element) const {
+    return chain_ ? chain_->elastic[element] : modulus_ / system_.bar().stretch(element);
+  }
+  double viscous_of(std::size_t element) const {
+    return chain_ ? chain_->viscous[element] : viscosity_ / system_.bar().stretch(element);
+  }
   // dR/dp at the same motion.
   double law_rate(std::size_t i, double clearance, double w) const;
   void add_frame();
@@ -189,7 +220,9 @@ class Derivative {
   std::vector<LawRates> laws_;
   std::vector<Mount> mounts_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
   std::optional<SideRows> side_;
-  std::vector<double> added_;
+  std::optional<ChainRates> chain_;
+  std::vector<double> added_, product_;
+  std::vector<double> start_;  // of a chain, what its own masses change the initial velocity by; empty: nothing
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last
   bool driven_ = false;                              // by the motion of the bar

@@ -427,15 +427,25 @@ std::vector<double> PenalisedSystem::joint_forces(double t, std::span<const doub
       force_of_rows = acceleration;
       accelerate(acceleration);
     }
-    const JointRow row = joint_row(i);
-    const double inertia = row.inertia[0] * acceleration[row.node] + row.inertia[1] * acceleration[row.next] +
-                           row.inertia[2] * acceleration[row.beyond];
-    force_here = std::max(0.0, row.sign * (inertia - force_of_rows[row.node]));
+    force_here = std::max(0.0, joint_force(i, force_of_rows, acceleration));
   }
   return forces;
 }
 
+double PenalisedSystem::joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const {
+  const JointRow row = joint_row(i);
+  const double inertia = row.inertia[0] * a[row.node] + row.inertia[1] * a[row.next] + row.inertia[2] * a[row.beyond];
+  return row.sign * (inertia - force[row.node]);
+}
+
 double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
+  if (contact(i).joint > 0) {
+    std::vector<double> of_rows(size());
+    force(t, u, w, of_rows);
+    std::vector<double> acceleration = of_rows;
+    accelerate(acceleration);
+    return joint_force(i, of_rows, acceleration);
+  }
   if (collides(i)) {
     accelerate_held(t, u, w);
     return held_force(i);

@@ -261,7 +261,7 @@ class PenalisedSystem {
   /// N of each contact of a joint, of closed ones, in the order of the contacts; 0 of the others.
   std::vector<double> joint_forces(double t, std::span<const double> u, std::span<const double> w);
 
-  /// Reaction of a closed contact that holds(), as its row gives it, of either sign.
+  /// Reaction of a closed contact that holds(), as its row gives it, of either sign; at a joint N.
   double holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w);
   /// The remainder of the row of contact i, whose node has no mass, on its obstacle: it holds the node there, R >= 0
   /// where it pushes. R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i, less k gap of a spring at that end.
@@ -365,6 +365,7 @@ class PenalisedSystem {
  private:
   bool massless(std::size_t unknown) const { return bar_.massless(unknown); }
   void add_joint_weights(std::size_t i, IndicatorWeights& weights) const;
+  double joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const;
   bool has_one_sided() const { return !bar_.inertia().one_sided.empty(); }
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;

@@ -1,8 +1,30 @@
 #include "dynamics/pieces.hpp"
 
+#include <span>
 #include <stdexcept>
 
 namespace viscobar {
+
+SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count) {
+  SymmetricTridiagonal part;
+  const auto part_of = [](std::span<const double> entries, std::size_t begin, std::size_t length) {
+    const auto some = entries.subspan(begin, length);
+    return std::vector<double>(some.begin(), some.end());
+  };
+  part.diagonal = part_of(matrix.diagonal, first, count);
+  if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
+  if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
+  const bool with_first = first == 0, with_last = first + count == matrix.size();
+  if (matrix.one_sided.empty() || (!(with_first || with_last) && matrix.one_sided_at_ends())) return part;
+  if (!with_first) part.one_sided.push_back({});
+  for (OneSidedRow row : matrix.one_sided) {
+    if (row.row < first || row.row >= first + count) continue;
+    row.row -= first;
+    part.one_sided.push_back(row);
+  }
+  if (!with_last) part.one_sided.push_back({count - 1, true, {}});
+  return part;
+}
 
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   const auto section = [](const SpaceFunction& area, const Places& places, const Mesh& own) {

@@ -41,6 +41,9 @@ bool touches_bar(const std::vector<Member>& chain, std::size_t k);
 /// The material of each element of a chain, nothing's at joints; empty for a bar alone, whose elements are all alike.
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh);
 
+/// The rows and columns [first, first + count) of a matrix.
+SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count);
+
 /// The sum of of_piece(piece), a matrix of its nodes; a rigid body has none.
 template <class OfPiece>
 SymmetricTridiagonal assembled(const std::vector<Piece>& pieces, OfPiece&& of_piece) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "case/scene_numbers.hpp"
 #include "input/scene_stop.hpp"
 
 namespace viscobar {
@@ -73,15 +74,6 @@ NextBreak joined(const std::vector<Part>& parts, NextBreak Places::*which, bool 
       if (const auto next = breaks(from - part.shift, to - part.shift)) return *next + part.shift;
     }
     return std::nullopt;
-  };
-}
-
-SpaceFunction along(std::vector<Part> parts) {
-  return [parts = std::move(parts)](double x) {
-    const Part* at = &parts.front();
-    for (const Part& part : parts)
-      if (part.length > 0.0 && (x > part.begin || at->length == 0.0)) at = &part;
-    return at->function(x - at->begin);
   };
 }
 
@@ -185,7 +177,7 @@ void take_chain(const SceneEntries& entries, Case& run) {
   const auto take = [&](const char* leaf, SpaceFunction& function, Places& places, SpaceFunction Member::*own) {
     const std::vector<Part> parts = parts_of(entries, scene.chain, leaf, scene.bar.length);
     for (std::size_t m = 0; m < count; ++m) scene.chain[m].*own = parts[m].function;
-    function = along(parts);
+    function = along(scene.chain, own);
     places = {joined(parts, &Places::breaks, true), joined(parts, &Places::detail, false)};
   };
   take("displacement", scene.displacement, scene.displacement_places, &Member::displacement);
@@ -195,6 +187,31 @@ void take_chain(const SceneEntries& entries, Case& run) {
   bool own = false;
   for (std::size_t k = 1; k <= count; ++k) own |= entries.present(key_of("bar", k, "elements"));
   if (!own || !entries.present("mesh.elements")) run.elements = sum;
+}
+
+void differentiate_chain(const SceneEntries& entries, const std::string& by, std::size_t longer, Scene& rates) {
+  const auto take = [&](const char* leaf, SpaceFunction& function, SpaceFunction Member::*rate) {
+    const auto whole = entries.formula(fmt::format("initial.{}", leaf));
+    double begin = 0.0;
+    for (std::size_t k = 1; k <= rates.chain.size(); ++k) {
+      Member& member = rates.chain[k - 1];
+      const double length = member.bar.length, from = begin;
+      begin += length;
+      const auto own = entries.formula(key_of("bar", k, leaf));
+      const SpaceTimeFunction slope = own ? own->derivative(by) : whole ? whole->derivative(by) : SpaceTimeFunction();
+      if (!slope) continue;
+      if (longer == 0)
+        member.*rate = [slope, at = own ? 0.0 : from](double x) { return slope(at + x, 0.0); };
+      else if (k == longer)
+        member.*rate = [slope, at = own ? 0.0 : from, length](double x) { return x / length * slope(at + x, 0.0); };
+      else if (k > longer && !own)
+        member.*rate = [slope, from](double x) { return slope(from + x, 0.0); };
+    }
+    function = along(rates.chain, rate);
+  };
+  for (Member& member : rates.chain) member.displacement = member.velocity = [](double) { return 0.0; };
+  take("displacement", rates.displacement, &Member::displacement);
+  take("velocity", rates.velocity, &Member::velocity);
 }
 
 void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& values) {

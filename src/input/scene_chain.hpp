@@ -12,6 +12,10 @@ void check_chain(SceneEntries& entries);
 /// initial data along it, and the elements of each member.
 void take_chain(const SceneEntries& entries, Case& run);
 
+/// The derivatives of the initial data of a chain by a parameter; where `longer` is the number of a bar, by its length
+/// (and `by` is x): its own formulas go with it, and [initial] is of x along all bars, which those behind it move by.
+void differentiate_chain(const SceneEntries& entries, const std::string& by, std::size_t longer, Scene& rates);
+
 /// The keys of its members that are there, with their values, and the elements of each bar.
 void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& values);
 

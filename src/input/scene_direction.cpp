@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "case/scene_numbers.hpp"
+#include "input/scene_chain.hpp"
 #include "input/scene_entries.hpp"
 #include "input/scene_stop.hpp"
 #include "text/nearest_name.hpp"
@@ -94,7 +96,9 @@ EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacl
 
 Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key) {
   const bool parameter = is_parameter(key), length = key == "bar.length";
-  const std::string by(length ? "x" : parameter ? parameter_name(key) : "");
+  const auto member = member_key("bar", key);
+  const bool of_member = member && member->second == "length";
+  const std::string by(length || of_member ? "x" : parameter ? parameter_name(key) : "");
   if (parameter && !entries.parameters().contains(by)) {
     std::vector<std::string> names;
     for (const auto& [name, value] : entries.parameters()) names.push_back(name);
@@ -108,10 +112,13 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
           "{}: no sensitivity with respect to it: it varies along the bar; give a number in it a name below "
           "[parameters], and take parameters.NAME",
           key));
-  if (const auto section = entries.formula("bar.section");
-      section && (key == "bar.section" || ((parameter || length) && section->derivative(by))))
-    throw std::invalid_argument(
-        fmt::format("{}: no sensitivity with respect to it: the section depends on it; compare two runs", key));
+  for (std::size_t k = 0; k <= run.scene.chain.size(); ++k) {
+    const std::string name = k == 0 ? "bar.section" : fmt::format("bar.{}.section", k);
+    const bool varies = parameter || length || (of_member && member->first == k);
+    if (const auto section = entries.formula(name); section && (key == name || (varies && section->derivative(by))))
+      throw std::invalid_argument(
+          fmt::format("{}: no sensitivity with respect to it: the section depends on it; compare two runs", key));
+  }
   if (const auto given = damping_by(entries, key)) {
     Direction along = direction(run, given->first);
     along.key = key;
@@ -120,13 +127,25 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     if (key == "contact.restitution" && has_penalty(run.scene)) along.restitution = 1.0;
     return along;
   }
-  Direction along = direction(run, parameter ? "bar.density" : key);
-  if (!parameter && !length) return along;
+  Direction along = direction(run, parameter ? "" : key);
+  if (!parameter && !length && !of_member) return along;
   along.key = key;
-  if (parameter) along.bar.density = 0.0;
-  for (const char* name :
-       {"initial.displacement", "initial.velocity", "load.density", "load.profile", "load.history", "left.force",
-        "right.force", "left.motion", "right.motion", "left.gap", "right.gap", "side.stiffness", "side.drag"})
+  std::vector<std::string> formulas = {"initial.displacement",
+                                       "initial.velocity",
+                                       "load.density",
+                                       "load.profile",
+                                       "load.history",
+                                       "left.force",
+                                       "right.force",
+                                       "left.motion",
+                                       "right.motion",
+                                       "left.gap",
+                                       "right.gap",
+                                       "side.stiffness",
+                                       "side.drag"};
+  for (std::size_t k = 1; k <= run.scene.chain.size(); ++k)
+    for (const char* leaf : {"displacement", "velocity"}) formulas.push_back(fmt::format("bar.{}.{}", k, leaf));
+  for (const std::string& name : formulas)
     if (const auto formula = entries.formula(name); formula && formula->moves_jump(by))
       throw std::invalid_argument(
           fmt::format("{}: a condition in {} depends on {}, and a jump that moves has no derivative", key, name, by));
@@ -134,9 +153,8 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   const auto displacement = entries.formula("initial.displacement"), velocity = entries.formula("initial.velocity");
   if (displacement) along.data.displacement = rate_of_x(*displacement, by, size);
   if (velocity) along.data.velocity = rate_of_x(*velocity, by, size);
-  along.data.displacement_places = run.scene.displacement_places;
-  along.data.velocity_places = run.scene.velocity_places;
-  along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
+  if (!run.scene.chain.empty()) differentiate_chain(entries, by, of_member ? member->first : 0, along.data);
+  if (!of_member) along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
   along.data.side.reset();
   const auto rate_of_side = [&](const char* name) -> SpaceFunction {
     const auto formula = entries.formula(name);

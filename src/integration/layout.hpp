@@ -19,6 +19,7 @@ struct Layout {
     if (energy && system.bar().has_end_rows()) end_inertia = size++;
     first_derivative = size;
     for (std::size_t i = 0; i < system.contact_count(); ++i) {
+      if (system.contact(i).joint > 0) continue;
       left |= system.contact(i).unknown == 0 && !system.bar().left_fixed();
       right |= system.contact(i).unknown + 1 == nodes && !system.bar().right_fixed();
     }

@@ -16,12 +16,15 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-// Nothing of the scene depends on time but its load.
-Direction still(const BarSystem& bar) {
+// Nothing of the scene depends on time but its load. Joints are those of the chain of a direction.
+Direction still(const BarSystem& bar, const Scene& of) {
   Direction direction;
   Scene& data = direction.data;
   data.bar = bar.bar();
   data.displacement = data.velocity = [](double) { return 0.0; };
+  data.chain = of.chain;
+  for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.velocity;
+  direction.members.resize(data.chain.size(), Member{.bar = {0.0, 0.0, 0.0, 0.0}});
   if (bar.left_fixed()) data.left = Fixed{};
   if (bar.right_fixed()) data.right = Fixed{};
   for (const Contact& contact : bar.contacts()) {
@@ -45,7 +48,7 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
     : system_(system),
       directions_(directions),
       restitution_(penalty.restitution),
-      time_direction_(still(system.bar())),
+      time_direction_(still(system.bar(), directions.front().data)),
       time_(system, penalty, time_direction_),
       moment_(system, derive(penalty)),
       w_(system.size()),
@@ -53,6 +56,7 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       load_rate_(system.size()),
       shifts_(directions.size()),
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
+  if (system.bar().is_chain()) parted_.resize(system.size());
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().add_force(load_rate_, {});
@@ -67,7 +71,7 @@ void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, co
 void Sensitivities::begin(double t, double end, std::span<double> y) {
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    const State initial = derivative.data().initial_state();
+    const State initial = derivative.initial_state();
     std::ranges::copy(initial.u, s.u().begin());
     std::ranges::copy(initial.v, s.w().begin());
     derivative.begin_leg(t, end);
@@ -107,11 +111,12 @@ void Sensitivities::differentiate_by_time(const Moment& at) {
   time_.take_contacts();
 }
 
-// Acceleration of a node; that of a massless one follows from its row. Without viscosity this needs a second
-// derivative of the load, which nobody knows.
-double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
+// Acceleration of the node of contact i; that of a massless one follows from its row. Without viscosity this needs a
+// second derivative of the load, which nobody knows.
+double Sensitivities::acceleration_of(const Moment& at, std::size_t i) {
   const BarSystem& bar = system_.bar();
-  if (!bar.massless(node)) return acceleration_[node];
+  const std::size_t node = system_.contact(i).unknown;
+  if (!bar.massless(node)) return system_.contact(i).of(acceleration_);
   if (!bar.damped() && system_.load_varies()) return nothing;
   differentiate_by_time(at);
   std::vector<double> rates = acceleration_;
@@ -122,11 +127,12 @@ double Sensitivities::acceleration_of(const Moment& at, std::size_t node) {
 // Rate of s u + gap, or of the push condition or the reaction where that decides.
 double Sensitivities::indicator_rate(const Moment& at, std::size_t i, bool by_push) {
   if (by_push) {
-    const std::size_t node = system_.contact(i).unknown;
+    // Those of the clearance and of its rate, the latter of the node itself.
     const auto weights = *system_.push_weights(i);
-    return weights.values[1] * at.w[node] + weights.values[2] * acceleration_[node];
+    const double of_rate = system_.contact(i).joint > 0 ? weights.values[3] : weights.values[2];
+    return weights.values[1] * system_.contact(i).of(at.w) + of_rate * system_.contact(i).of(acceleration_);
   }
-  if (!opens_by_reaction(i)) return system_.contact(i).sign * at.w[system_.contact(i).unknown];
+  if (!opens_by_reaction(i)) return system_.contact(i).sign * system_.contact(i).of(at.w);
   differentiate_by_time(at);
   return time_.opening_reaction(i, at, at.w, acceleration_);
 }
@@ -138,7 +144,8 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
   const double tolerances = 10.0 / promised_multiple;
   const double u = tolerances * weights_->promised_displacement(), w = tolerances * weights_->promised_velocity();
   const std::size_t node = system_.contact(i).unknown;
-  if (!opens_by_reaction(i)) return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(acceleration_[node]) * u;
+  if (!opens_by_reaction(i))
+    return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(system_.contact(i).of(acceleration_)) * u;
   const double h = bar.stretch_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
@@ -163,11 +170,12 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
   shifted_ = false;
   if (lost()) return changes;
-  const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
+  const std::size_t n = layout_->nodes;
+  const Contact& contact = system_.contact(i);
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i, by_push);
   const bool graze = grazes(i, rate) || (since < t && system_.collides(i)), held = opens_by_reaction(i);
-  const double acceleration = acceleration_of(at, node);
+  const double acceleration = acceleration_of(at, i);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   bool moves = false;
@@ -179,14 +187,15 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)
-      changes[k] = {shifts_[k], s[n + node] + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
+      changes[k] = {shifts_[k], contact.of(s.w()) + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
   });
   if (t == last_change_.first && i != last_change_.second && system_.collides()) {
     std::vector<double> answer(n, 0.0);
-    answer[node] = 1.0;
+    answer[contact.unknown] = 1.0;
+    if (contact.joint > 0) answer[contact.unknown - 1] = -1.0;
     system_.accelerate(answer);
-    const double beside = std::abs(answer[system_.contact(last_change_.second).unknown]);
-    if (beside > 1e-8 * std::abs(answer[node])) {
+    const double beside = std::abs(system_.contact(last_change_.second).of(answer));
+    if (beside > 1e-8 * std::abs(contact.of(answer))) {
       lose(t, "two contacts change at once, and what follows depends on which is first", y);
       changes.assign(changes.size(), {nothing, nothing});
       return changes;
@@ -213,28 +222,41 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
 void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity =
-        -restitution_ * changes[k].velocity - directions_[k].restitution * old_velocity_[system_.contact(i).unknown];
+        -restitution_ * changes[k].velocity - directions_[k].restitution * system_.contact(i).of(old_velocity_);
 }
 
 void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   if (lost()) return;
-  const std::size_t n = layout_->nodes, node = system_.contact(i).unknown;
+  const Contact& contact = system_.contact(i);
+  const std::size_t n = layout_->nodes, node = contact.unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const double came = contact.of(old_velocity_), goes = contact.of(w_);
   // A node that is released may get its velocity from the mesh.
-  const bool struck = shifted_ && system_.collides(i) && old_velocity_[node] != 0.0 && w_[node] != old_velocity_[node];
+  const bool struck = shifted_ && system_.collides(i) && came != 0.0 && goes != came;
+  const auto leave_with = [&](const Block& s, double velocity) {
+    s[n + node] = contact.joint > 0 ? s[n + node - 1] + velocity : velocity;
+  };
   const bool rebounds = struck && !system_.closed(i);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
-      // v+ - v- goes along (rho M)^{-1} e_i, in parts that do not depend on the parameter.
-      const double left = s[n + node];
-      const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * old_velocity_[node] : 0.0;
-      const double share = (reflected - left) / (w_[node] - old_velocity_[node]);
+      // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact, in parts that do not depend on the
+      // parameter but where those of a chain have their own: by -(rho M)^{-1} (rho M)' (v+ - v-), d.v left out.
+      const double left = contact.of(s.w());
+      const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * came : 0.0;
+      double share = (reflected - left) / (goes - came);
+      if (system_.bar().is_chain()) {
+        for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
+        derivative.multiply_chain_inertia(load_rate_, parted_);
+        system_.accelerate(parted_);
+        share += contact.of(parted_) / (goes - came);
+        for (std::size_t j = 0; j < n; ++j) s[n + j] -= parted_[j];
+      }
       for (std::size_t j = 0; j < n; ++j) s[n + j] += share * (w_[j] - old_velocity_[j]);
-      s[n + node] = reflected;
+      leave_with(s, reflected);
     }
     if (system_.closed(i) && system_.holds(i)) {
       derivative.motion().place_on_obstacle(i, s.u());
-      s[n + node] = 0.0;
+      leave_with(s, 0.0);
     }
     if (shifted_) {
       for (std::size_t j = 0; j < n; ++j) s[j] -= w_[j] * shifts_[k];
@@ -334,7 +356,8 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
     for (Field& field : fields_) {
       std::ranges::fill(field.u, nothing);
       std::ranges::fill(field.v, nothing);
-      told_.push_back({field.u, field.v, nothing, nothing});
+      told_.push_back(
+          {field.u, field.v, nothing, nothing, std::vector<double>(system_.bar().joints().size(), nothing)});
     }
     return told_;
   }
@@ -349,9 +372,9 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
     complete(derivative, at, s);
     Field& field = fields_[k];
     derivative.expand(t, s.u(), s.w(), field.u, field.v);
-    FieldSensitivity told{field.u, field.v, 0.0, 0.0};
+    FieldSensitivity told{field.u, field.v, 0.0, 0.0, derivative.joint_forces(at, s.u(), s.w())};
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (!system_.closed(i)) continue;
+      if (!system_.closed(i) || system_.contact(i).joint > 0) continue;
       const std::size_t node = system_.contact(i).unknown;
       const double reaction = derivative.reaction(i, at, s.u(), s.w());
       if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;

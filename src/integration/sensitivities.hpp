@@ -104,7 +104,7 @@ class Sensitivities {
   void shift(JumpFilter& filter, std::span<double> y);
   // The momentum that a shift changes is none of an obstacle's impulse.
   void account(double t, double sign, std::span<double> y);
-  double acceleration_of(const Moment& at, std::size_t node);
+  double acceleration_of(const Moment& at, std::size_t i);
   double indicator_rate(const Moment& at, std::size_t i, bool by_push);
   bool grazes(std::size_t i, double rate) const;
   bool opens_by_reaction(std::size_t i) const;
@@ -122,6 +122,7 @@ class Sensitivities {
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;
   std::vector<double> w_, acceleration_, load_rate_;
+  std::vector<double> parted_;  // of a chain, scratch
   // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;

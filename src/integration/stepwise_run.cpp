@@ -21,8 +21,6 @@ namespace {
 // are those of the parts before, and become those of all.
 PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalty, const StartingPoint& start,
                  std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
-  if (bar.is_chain() && !observers.directions.empty())
-    throw Unfit(method, {"sensitivity.of", "several bars in line have no derivatives yet"});
   PenalisedSystem system(bar, penalty);
   const Layout layout(system, observers.energy, observers.directions.size());
   std::optional<Sensitivities> sensitivities;

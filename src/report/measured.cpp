@@ -28,8 +28,14 @@ Event change_of(const std::string& file, double t, const std::string& where, con
     const auto node = number_in<std::size_t>(std::string_view(where).substr(5));
     if (!node) refuse(fmt::format("where is \"{}\", and no number of a node is behind span:", where));
     event.node = *node;
+  } else if (where.starts_with("joint:")) {
+    event.where = Where::joint;
+    const auto number = number_in<std::size_t>(std::string_view(where).substr(6));
+    if (!number || *number == 0)
+      refuse(fmt::format("where is \"{}\", and no number of a joint is behind joint:", where));
+    event.node = *number;
   } else {
-    refuse(fmt::format("where is \"{}\", not left, right or span:NODE", where));
+    refuse(fmt::format("where is \"{}\", not left, right, span:NODE or joint:NUMBER", where));
   }
   if (change != "closing" && change != "opening")
     refuse(fmt::format("change is \"{}\", not closing or opening", change));
@@ -40,7 +46,8 @@ Event change_of(const std::string& file, double t, const std::string& where, con
 std::string unit_of(TraceColumn column, const Units& units) {
   constexpr std::optional<Dimension> dimensions[] = {
       Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
-      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress};
+      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress,
+      Dimension::length, Dimension::length,   Dimension::stress};
   const auto dimension = dimensions[static_cast<std::size_t>(column)];
   return dimension ? unit_name(units, *dimension) : "";
 }
@@ -69,7 +76,7 @@ std::vector<Event> changes_in(const TraceFile& table, const std::string& file) {
 std::vector<std::string> names_of_traces() {
   std::vector<std::string> names = {"t"};
   for (const TraceColumn column : all_trace_columns) names.push_back(name(column));
-  names.insert(names.end(), {"u@", "v@", "strain@", "stress@"});
+  names.insert(names.end(), {"u@", "v@", "strain@", "stress@", "u_left:", "u_right:", "force:"});
   return names;
 }
 

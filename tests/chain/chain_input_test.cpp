@@ -9,8 +9,6 @@
 #include "report/scene_check.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
-#include "viscobar/studies/limit/limit.hpp"
-#include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar {
 namespace {
@@ -57,7 +55,6 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});
   says(pair, "span.gap", {"span.gap=2"});
   says(pair, "left.gap: an end or an obstacle that moves", {"left.kind=obstacle", "left.gap=0.1+t"});
-  says(pair, "accuracy.error: is for one bar", {"accuracy.error=1e-3"});
   says(pair, "\"hertz\" is no law for exponential",
        {"joint.1.law=hertz", "joint.1.stiffness=3", "method.name=exponential"});
   says(pair, "joint.1.gap", {"bar.2.displacement=-0.1"});
@@ -111,15 +108,6 @@ TEST(ChainInput, SharesElementsByTheTimeOfAWave) {
   EXPECT_EQ(run.bar_elements, (std::vector<std::size_t>{45, 55}));
   EXPECT_EQ(parse_scene(pair, "", std::vector<std::string>{"bar.1.elements=10"}).run.bar_elements,
             (std::vector<std::size_t>{10, 12}));
-}
-
-TEST(ChainInput, StudiesOfOneBarSaySo) {
-  LimitStudy limit;
-  limit.scene = parse_scene(pair, "").run;
-  EXPECT_THROW((void)limit_of(limit), std::invalid_argument);
-  PrecisionStudy precision;
-  precision.scene = limit.scene;
-  EXPECT_THROW((void)precision_of(precision), std::invalid_argument);
 }
 
 // From a checkpoint in contact the run goes on with the same bits.

@@ -13,7 +13,7 @@ namespace viscobar {
 struct EndTraces {
   std::vector<double> left;   ///< u(0, t_k)
   std::vector<double> right;  ///< u(L, t_k)
-  /// u(i L / 16, t_k), i = 1 .. 15, under a span obstacle; else none.
+  /// u(i L / 16, t_k), i = 1 .. 15, under a span obstacle, u on both sides of each joint of a chain that is not bonded.
   std::vector<std::vector<double>> between;
   std::vector<Event> events;  ///< contact changes in order of time
   Statistics statistics;      ///< of the run

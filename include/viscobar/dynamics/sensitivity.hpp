@@ -18,16 +18,19 @@ struct Direction {
   /// derivatives (motions absent where they do not depend on p), the functions of x at a fixed part x / L of the bar;
   /// of the load f it is d(L f)/dp / L. Breaks are those of the scene's.
   Scene data;
+  /// Derivatives of a chain: of what its members are made of, those of joints but for the gaps, which are in `data`.
+  std::vector<Member> members{};
   double epsilon = 0.0;      ///< derivative of the penalty's epsilon
   double restitution = 0.0;  ///< of the restitution
 };
 
 /// Derivatives of the fields with respect to a parameter at one output time; NaN from where there are none on.
 struct FieldSensitivity {
-  std::span<const double> u;    ///< of the displacement of each node of the mesh, valid during the call
-  std::span<const double> v;    ///< of its velocity
-  double reaction_left = 0.0;   ///< of Snapshot::reaction_left
-  double reaction_right = 0.0;  ///< of Snapshot::reaction_right
+  std::span<const double> u;           ///< of the displacement of each node of the mesh, valid during the call
+  std::span<const double> v;           ///< of its velocity
+  double reaction_left = 0.0;          ///< of Snapshot::reaction_left
+  double reaction_right = 0.0;         ///< of Snapshot::reaction_right
+  std::vector<double> joint_forces{};  ///< of Snapshot::joint_forces
 };
 
 /// Derivatives of a contact change; NaN where it has none.

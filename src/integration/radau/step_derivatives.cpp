@@ -29,6 +29,7 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
   if (moment_.asks_for_inertia()) inertial_.resize(n);
   for (const Derivative* one : derivatives) {
     const Derivative::MatrixRates rates = one->matrix_rates();
+    if (rates.chain) inertial_.resize(n), stiff_.resize(n);
     if (rates.viscosity != 0.0 || rates.modulus != 0.0) stiff_.resize(n);
   }
   parts_.resize(derivatives.size(), {std::vector<double>(n),
@@ -41,8 +42,8 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
     if (derivatives[k]->load_varies()) parts_[k].load_tail.resize(n);
 }
 
-void StepDerivatives::multiply_inertia(std::span<const Complex> x, std::vector<Complex>& out) const {
-  const SymmetricTridiagonal& inertia = system_.bar().inertia();
+void StepDerivatives::multiply(const SymmetricTridiagonal& inertia, std::span<const Complex> x,
+                               std::vector<Complex>& out) {
   const std::size_t n = x.size();
   if (inertia.off_diagonal.empty()) {
     for (std::size_t i = 0; i < n; ++i) out[i] = inertia.diagonal[i] * x[i];
@@ -75,6 +76,10 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
     systems.multiply_stiffness(w, part.stiff_rate);
     if (rates.modulus != 0.0)
       for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += rates.modulus * begin_.strain_rate[i];
+    if (rates.chain) {
+      rates.chain->stiffness.multiply([&](std::size_t i) { return begin_.w[i]; }, force_);
+      for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += force_[i];
+    }
     for (const Mount& mount : rates.mounts) part.stiff_rate[mount.unknown] += mount.stiffness * begin_.w[mount.unknown];
     if (rates.side)
       rates.side->subtract(
@@ -95,7 +100,16 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   const Complex of_mass = -rates.inertia * formula.poles, of_stiffness = elastic(rates.viscosity, rates.modulus);
   const bool inertial = rates.inertia != 0.0, stiff = rates.viscosity != 0.0 || rates.modulus != 0.0;
   const std::size_t n = layout_.nodes;
-  if (inertial && stiff)
+  if (rates.chain) {
+    const auto add_elements = [&](const UnitStiffness& elements, const Complex& factor) {
+      elements.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
+      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + factor * stiff_[i];
+    };
+    multiply(rates.chain->inertia, motion, inertial_);
+    for (std::size_t i = 0; i < n; ++i) x[i] = -1.0 * formula.poles * inertial_[i];
+    add_elements(rates.chain->stiffness, elastic(0.0, 1.0));
+    add_elements(rates.chain->viscosity, elastic(1.0, 0.0));
+  } else if (inertial && stiff)
     for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i] + of_stiffness * stiff_[i];
   else if (inertial)
     for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i];
@@ -113,7 +127,7 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     };
     side->subtract(resisted, first, n, x);
   }
-  return inertial || stiff || !rates.mounts.empty() || rates.side;
+  return rates.chain || inertial || stiff || !rates.mounts.empty() || rates.side;
 }
 
 // Change of the load over the step, for a motion that stands still.
@@ -177,8 +191,9 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
                                 Statistics& statistics) {
   h_ = step.h;
   const std::size_t n = layout_.nodes;
-  if (!inertial_.empty()) multiply_inertia(motion, inertial_);
-  if (!stiff_.empty()) stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
+  if (moment_.asks_for_inertia()) multiply(system_.bar().inertia(), motion, inertial_);
+  if (!stiff_.empty() && !system_.bar().is_chain())
+    stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
   double largest = 0.0;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];

@@ -9,9 +9,11 @@
 #include <utility>
 
 #include "case/method_table.hpp"
+#include "case/scene_numbers.hpp"
 #include "input/described_scene.hpp"
 #include "input/scene_keys.hpp"
 #include "report/measured.hpp"
+#include "studies/column_reader.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -71,10 +73,8 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file)
   for (const TraceFile::Column& found : table.columns) {
     if (found.name == "t") continue;
     const auto column = trace_column(found.name);
-    const double length = scene.run.scene.bar.length;
-    if (!column || !(column->second >= 0.0 && column->second <= length))
-      throw std::invalid_argument(
-          fmt::format("{}: {} is no place of the bar, 0 <= x <= {}, as in u@0.25", file, found.name, length));
+    if (const auto why = place_refusal(column, scene.run.scene))
+      throw std::invalid_argument(fmt::format("{}: {} {}", file, found.name, *why));
     if (std::ranges::none_of(found.values, [](double value) { return std::isfinite(value); }))
       throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found.name));
     study.traces.push_back({column->first, found.values, 1.0, false, column->second});
@@ -114,15 +114,16 @@ PreparedFit prepared_fit(const FitRequest& request,
   if (!request.data.empty()) read_data(study, scene, request.data);
   if (!request.events.empty()) read_changes(study, scene, request.events);
   // Derivatives by the length are those of what moves with the nodes, and a gauge stays at its x.
-  const auto is_gauge = [](const MeasuredTrace& trace) { return trace.column >= TraceColumn::u_at; };
+  const auto is_length = [](const std::string& key) { return key.starts_with("bar.") && key.ends_with(".length"); };
   study.differences = !method_row(scene.run.method).differentiates ||
-                      (std::ranges::find(request.parameters, "bar.length") != request.parameters.end() &&
-                       std::ranges::any_of(study.traces, is_gauge));
+                      (std::ranges::any_of(request.parameters, is_length) &&
+                       std::ranges::any_of(study.traces, is_of_gauge, &MeasuredTrace::column));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
-    if (!is_parameter(key) && !gives_damping(scene.run.scene, key))
+    const bool by_differences = member_key("bar", key) && key.ends_with(".length");  // beside a load
+    if (!is_parameter(key) && !gives_damping(scene.run.scene, key) && !by_differences)
       direction(scene.run, key);  // refuses keys that are none to vary
   }
   // A method or a scene that has no derivatives, as by a parameter of its section, is kept, and its runs are
@@ -170,10 +171,13 @@ PreparedFit prepared_fit(const FitRequest& request,
   if (const SceneValue* epsilon = value_of(scene.chosen, "contact.epsilon"))
     kept.emplace_back(std::pair("contact.epsilon", *epsilon));
   kept.emplace_back(std::pair("method.name", std::string(name(scene.run.method))));
-  study.model = [read, kept, keys = request.parameters](std::span<const double> values) {
+  study.model = [read, kept, keys = request.parameters, elements = scene.run.elements,
+                 of_bars = scene.run.bar_elements](std::span<const double> values) {
     std::vector<Setting> settings = kept;
     for (std::size_t k = 0; k < values.size(); ++k) settings.emplace_back(std::pair(keys[k], values[k]));
-    return read(settings).run;
+    Case run = read(settings).run;
+    run.elements = elements, run.bar_elements = of_bars;
+    return run;
   };
   return prepared;
 }

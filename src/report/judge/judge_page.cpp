@@ -55,7 +55,8 @@ std::string interval(const std::optional<double>& begin, const std::optional<dou
 }
 
 std::string place_of(const JudgedContact& contact) {
-  return std::string(name(contact.where)) + (contact.place ? fmt::format("@{}", *contact.place) : "");
+  return std::string(name(contact.where)) +
+         (contact.place ? fmt::format("{}{}", contact.where == Where::joint ? ':' : '@', *contact.place) : "");
 }
 
 // Words for a contact: its verdict, or by how much theirs is late or longer, if samples can tell.

@@ -46,7 +46,7 @@ std::vector<Setting> Plan::rungs(std::size_t finest, std::size_t least) const {
     }
     if (!below) {
       const std::size_t half = (all.back().elements + 1) / 2 | (apart_ ? 1 : 0);
-      if (all.size() >= least || half < (as_it_is_ ? 3U : 4U) || half >= all.back().elements) break;
+      if (all.size() >= least || fewest_at(half) < (as_it_is_ ? 3U : 4U) || half >= all.back().elements) break;
       below = at(half);
       if (!stepping_ && !exact_time_ && all.size() == 3) below = time_pair(half)[1];
     }
@@ -108,7 +108,8 @@ SpaceError Plan::seen_error(const std::vector<MeshStep>& steps) const {
 // Coarse meshes and two settings in time and penalty, side by side: what tolerance, epsilon and mesh are needed.
 void Plan::pilot() {
   const AccuracyRequest::Given& given = study_.request.given;
-  const std::size_t finest = given.elements ? std::max<std::size_t>(base_.elements / 2, 3) : pilot_elements_;
+  const std::size_t finest =
+      given.elements ? with_enough(std::max<std::size_t>(base_.elements / 2, 3)) : pilot_elements_;
   if (!given.elements) chosen_.elements = finest;
   std::vector<Setting> settings = rungs(finest, given.elements ? most_rungs : 2);
   for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
@@ -229,7 +230,7 @@ void Plan::climb_from(std::size_t& known) {
       chosen_.elements = known;
       return;
     }
-    if (stepping_ || penalised_) settle(std::max<std::size_t>(next / 4, 8));
+    if (stepping_ || penalised_) settle(with_enough(std::max<std::size_t>(next / 4, 8)));
     known = next >= 3 * known ? next / 2 : 2 * known;
   }
   chosen_.elements = known;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <variant>
+
+#include "dynamics/pieces.hpp"
 
 namespace viscobar::accuracy {
 
@@ -59,6 +62,7 @@ void DataError::add_waves(const Function& f, const Detail& detail, Moves&& moves
 DataError::DataError(const Case& run, bool displacements)
     : length_(run.scene.bar.length), displacements_(displacements) {
   const Scene scene = run.scene;  // functions of its own
+  if (!scene.chain.empty()) chain_ = run;
   const Bar& bar = scene.bar;
   add(scene.displacement, scene.displacement_places, [](double amplitude, double) { return amplitude; });
   add(scene.velocity, scene.velocity_places, [&](double amplitude, double k) {
@@ -110,6 +114,14 @@ void DataError::add_general(const GeneralLoad& load, const Case& run) {
 
 bool DataError::at_nodes(std::size_t elements) const {
   const auto count = static_cast<double>(elements);
+  if (chain_) {
+    Case run = *chain_;
+    run.elements = elements;
+    const Mesh mesh = run.mesh();
+    return std::ranges::all_of(breaks_, [&](double at) {
+      return std::ranges::any_of(*mesh.given, [&](double x) { return std::abs(at - x * length_) <= 1e-9 * length_; });
+    });
+  }
   return std::ranges::all_of(breaks_, [&](double at) {
     const double place = at / length_ * count;
     return std::abs(place - std::round(place)) <= 1e-9 * count;
@@ -137,16 +149,28 @@ std::size_t DataError::least() const {
 std::size_t DataError::unit() const {
   constexpr std::size_t most = 128;  // a mesh that costs no more than the search for a smaller one
   if (fronts_) return 1;
-  for (std::size_t elements = 1; elements <= most; ++elements)
+  // In a chain those meshes that have the same multiple of elements in each bar.
+  std::size_t step = 1;
+  if (chain_) {
+    std::size_t divisor = 0, sum = 0;
+    for (const std::size_t count : chain_->bar_elements) divisor = std::gcd(divisor, count), sum += count;
+    if (sum / divisor <= most) step = sum / divisor;
+  }
+  for (std::size_t elements = step; elements <= most; elements += step)
     if (at_nodes(elements)) return elements;
-  return 1;
+  return step;
 }
 
 double layer_error(const Case& run, double speed) {
-  const Bar& bar = run.scene.bar;
-  const double h = run.mesh().spacing(), a = resolve(run).mass == Mass::fourth_order ? 0.0039 : 0.019;
-  const double elastic = std::sqrt(bar.density / bar.modulus);
-  return a * speed * h * (bar.viscosity > 0.0 ? std::min(h * bar.density / bar.viscosity, elastic) : elastic);
+  const double a = resolve(run).mass == Mass::fourth_order ? 0.0039 : 0.019;
+  double longest = 0.0;
+  for (const Piece& piece : pieces_of(run.scene, run.mesh())) {
+    if (piece.rigid()) continue;
+    const Bar& bar = piece.bar;
+    const double h = piece.mesh.spacing(), elastic = h * std::sqrt(bar.density / bar.modulus);
+    longest = std::max(longest, bar.viscosity > 0.0 ? std::min(h * h * bar.density / bar.viscosity, elastic) : elastic);
+  }
+  return a * speed * longest;
 }
 
 SpaceError DataError::of(SpaceError found, std::span<const MeshStep> ladder) const {

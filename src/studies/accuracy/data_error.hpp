@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,6 +64,7 @@ class DataError {
   void add_general(const GeneralLoad& load, const Case& run);
 
   double length_;
+  std::optional<Case> chain_;  // of bars in line, whose nodes depend on how they share elements
   bool displacements_;
   bool fronts_ = false;  // that move
   bool nodal_ = false;

@@ -119,7 +119,9 @@ void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
           fmt::format("{} elements: from {}", run.elements,
                       estimate.order ? fmt::format("the observed power {:.2g} of the mesh", *estimate.order)
                                      : "the difference to coarser meshes, which show no power to rely on") +
-              (unit_ > 1 ? "; the data break at nodes" : ""));
+              (unit_ == 1                ? ""
+               : run.scene.chain.empty() ? "; the data break at nodes"
+                                         : "; multiples of those of each bar"));
   if (penalised_)
     estimate.reasons.push_back(
         contact_law(setup) + (run.restitution && !given.restitution

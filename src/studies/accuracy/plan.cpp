@@ -17,13 +17,12 @@ namespace {
 // Tolerances of the runs that tell which tolerance is needed.
 constexpr double finest_pilot = 1e-8, loosest_tolerance = 1e-3;
 
-// The velocity changed by a wave that no symmetry hides, at rest where an end is fixed: a polynomial, which adds no
-// pieces to the waves of a bar.
-std::function<double(double)> nudged(const Scene& scene, double by) {
+// A wave that no symmetry hides, at rest where an end is fixed: a polynomial, which adds no pieces to those of a bar.
+SpaceFunction nudge(const Scene& scene, double by) {
   const bool left = std::holds_alternative<Fixed>(scene.left), right = std::holds_alternative<Fixed>(scene.right);
-  return [velocity = scene.velocity, by, left, right, length = scene.bar.length](double x) {
+  return [by, left, right, length = scene.bar.length](double x) {
     const double s = x / length;
-    return velocity(x) + by * (left ? s : 1.0) * (right ? 1.0 - s : 1.0) * (1.0 - 1.4 * s);
+    return by * (left ? s : 1.0) * (right ? 1.0 - s : 1.0) * (1.0 - 1.4 * s);
   };
 }
 
@@ -44,8 +43,8 @@ Plan::Plan(Case as_it_is, double most_seconds, std::function<bool()> stop)
 
 Plan::Plan(const AccuracyStudy& study)
     : study_(study),
-      base_(study.scene),
-      data_error_(study.scene, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
+      base_(on_its_mesh(study.scene)),
+      data_error_(base_, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
       runs_([this](const Setting& setting) { return with(setting); }, times_of_errors(study.scene.end),
             study.request.of == Goal::peak_reaction, study.threads, study.stop) {
   const AccuracyRequest::Given& given = study_.request.given;
@@ -94,7 +93,10 @@ Plan::Plan(const AccuracyStudy& study)
   unit_ = data_error_.unit();
   doubled_ = study_.request.of == Goal::displacement && data_error_.rough();
   apart_ = data_error_.nodal() && unit_ == 1 && !doubled_;
+  const std::size_t in_a_bar = pilot_elements_;
   pilot_elements_ = doubled_unit(std::max(pilot_elements_, std::min(data_error_.least(), study_.most_elements)));
+  while (!scene.chain.empty() && pilot_elements_ < study_.most_elements && fewest_at(pilot_elements_) < in_a_bar)
+    pilot_elements_ *= 2;
   timed_elements_ = pilot_elements_;
   guess_ = chosen_;
   if (study_.start && !waves_) begin_at(*study_.start);
@@ -108,8 +110,27 @@ Case Plan::with(const Setting& setting) const {
     run.step = setting.fineness;
   else if (!exact_time_ && !waves_)
     run.tolerance = run.tolerance.with_relative(setting.fineness);
-  if (setting.nudged) run.scene.velocity = nudged(run.scene, nudge_);
+  if (setting.nudged) {
+    const auto add = [wave = nudge(run.scene, nudge_)](SpaceFunction& velocity, double begin) {
+      velocity = [own = velocity, wave, begin](double x) { return own(x) + wave(begin + x); };
+    };
+    add(run.scene.velocity, 0.0);
+    double begin = 0.0;
+    for (Member& member : run.scene.chain) add(member.velocity, std::exchange(begin, begin + member.bar.length));
+  }
   return run;
+}
+
+std::size_t Plan::fewest_at(std::size_t elements) const {
+  if (base_.scene.chain.empty()) return elements;
+  Case run = base_;
+  run.elements = elements;
+  return fewest_in_a_bar(run);
+}
+
+std::size_t Plan::with_enough(std::size_t elements) const {
+  while (fewest_at(elements) < 3 && elements < chosen_.elements) elements = std::min(2 * elements, chosen_.elements);
+  return elements;
 }
 
 void Plan::tell(const std::string& what) const {

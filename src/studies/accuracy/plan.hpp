@@ -61,6 +61,10 @@ class Plan {
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
   void tell(const std::string& what) const;
+  // Elements of the bar that has the fewest; a mesh as coarse as that, or coarser than the chosen one by less, on which
+  // each has three.
+  std::size_t fewest_at(std::size_t elements) const;
+  std::size_t with_enough(std::size_t elements) const;
   // The least multiple of the unit by a power of two that is not less.
   std::size_t doubled_unit(std::size_t elements) const { return unit_ * std::bit_ceil((elements + unit_ - 1) / unit_); }
 
@@ -99,8 +103,8 @@ class Plan {
   std::size_t coarser() const { return penalised_ || stepping_ ? 4 : 8; }
   std::size_t coarse() const {
     constexpr std::size_t few = 8;  // on which contacts are still like those of finer meshes
-    return std::max(chosen_.elements / coarser(),
-                    study_.request.given.elements ? std::min(chosen_.elements, few) : timed_elements_);
+    return with_enough(std::max(chosen_.elements / coarser(),
+                                study_.request.given.elements ? std::min(chosen_.elements, few) : timed_elements_));
   }
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;

@@ -21,12 +21,9 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
                              const std::function<bool()>& stop) try {
   QuickEstimate result;
   result.elements = run.elements;
-  if (!run.scene.chain.empty()) {
-    result.why_not = "of several bars in line no error is estimated yet";
-    return result;
-  }
-  if (run.elements < fewest && run.method != MethodName::characteristics) {
-    result.why_not = fmt::format("it needs {} elements or more, whose mesh can be halved twice", fewest);
+  if (fewest_in_a_bar(run) < fewest && run.method != MethodName::characteristics) {
+    result.why_not = fmt::format("it needs {} elements or more{}, whose mesh can be halved twice", fewest,
+                                 run.scene.chain.empty() ? "" : " in each bar");
     return result;
   }
   Plan plan(run, std::max(seconds, least_seconds), stop);
@@ -44,7 +41,7 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
 
 QuickEstimate forecast(const Case& run, double seconds, const std::function<bool()>& stop) {
   QuickEstimate found = quick_estimate(run, std::nullopt, seconds, stop);
-  if (found.estimate || run.elements < 4 * fewest || !run.scene.chain.empty()) return found;
+  if (found.estimate || fewest_in_a_bar(run) < 4 * fewest) return found;
   Case coarser = run;
   coarser.elements = (run.elements + 3) / 4;
   if (!sound(coarser)) return found;

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <ranges>
 #include <utility>
 
 #include "discretisation/interpolant.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar::accuracy {
 
@@ -14,7 +17,38 @@ namespace {
 
 using Values = Eigen::Map<const Eigen::ArrayXd>;
 
+// Where an end or a joint has its numbers in a sample.
+std::size_t index_of(Where end, std::size_t joint) { return joint > 0 ? 1 + joint : end == Where::left ? 0 : 1; }
+
+// Displacement of an end in a row, or how far the sides of a joint are apart.
+double opening(const Sample& sample, const double* row, Where end, std::size_t joint) {
+  if (joint == 0) return row[end == Where::left ? 0 : sample.x.size() - 1];
+  const std::size_t right = sample.right_of(joint);
+  return row[right] - row[right - 1];
+}
+
+// use(where, joint) for each place that may have contacts: both ends, and joints of a chain that are not bonded.
+void each_place(const Sample& sample, auto&& use) {
+  use(Where::left, 0);
+  use(Where::right, 0);
+  for (std::size_t k = 1; k < sample.members.size(); ++k)
+    if (sample.right_of(k) > 0) use(Where::joint, k);
+}
+
 }  // namespace
+
+std::size_t fewest_in_a_bar(const Case& run) {
+  if (run.scene.chain.empty()) return run.elements;
+  const std::vector<std::size_t> members = *run.mesh().members;
+  return std::ranges::min(members | std::views::filter([](std::size_t count) { return count > 0; }));
+}
+
+Case on_its_mesh(Case run) {
+  if (run.scene.chain.empty()) return run;
+  run.bar_elements = *run.mesh().members;
+  run.elements = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+  return run;
+}
 
 std::vector<double> times_of_errors(double end) {
   constexpr int parts = 250;
@@ -30,11 +64,16 @@ Probe::Probe(const Case& run, std::optional<std::size_t> times) {
   time_stride_ = static_cast<std::size_t>(std::ceil(outputs / most_times));
   const double rows = outputs / static_cast<double>(time_stride_);
   constexpr std::size_t enough = 32;
-  while (run.elements / (2 * node_stride_) >= enough && run.elements % (2 * node_stride_) == 0 &&
+  while (run.scene.chain.empty() && run.elements / (2 * node_stride_) >= enough &&
+         run.elements % (2 * node_stride_) == 0 &&
          rows * static_cast<double>(run.elements / node_stride_) > most_values)
     node_stride_ *= 2;
   const Mesh mesh = run.mesh();
   for (std::size_t j = 0; j < mesh.nodes(); j += node_stride_) sample_.x.push_back(mesh.node(j));
+  if (!run.scene.chain.empty())
+    for (const Piece& piece : pieces_of(run.scene, mesh)) sample_.members.push_back({piece.first, piece.last() + 1});
+  const std::size_t places = std::max<std::size_t>(2, 1 + sample_.members.size());
+  for (std::vector<double>* one : {&sample_.impulse, &sample_.peak, &sample_.speed}) one->resize(places);
   sample_.end = run.end;
   const auto most_rows = static_cast<std::size_t>(rows) + 2;
   sample_.times.reserve(most_rows);
@@ -50,14 +89,21 @@ void Probe::add(const Snapshot& snapshot) {
   else
     for (std::size_t j = 0; j < snapshot.u.size(); j += node_stride_) sample_.u.push_back(snapshot.u[j]);
   sample_.end_velocities.insert(sample_.end_velocities.end(), {snapshot.v.front(), snapshot.v.back()});
-  sample_.speed[0] = std::max(sample_.speed[0], std::abs(snapshot.v.front()));
-  sample_.speed[1] = std::max(sample_.speed[1], std::abs(snapshot.v.back()));
+  each_place(sample_, [&](Where end, std::size_t joint) {
+    double& speed = sample_.speed[index_of(end, joint)];
+    speed = std::max(speed, std::abs(joint > 0            ? opening(sample_, snapshot.v.data(), end, joint)
+                                     : end == Where::left ? snapshot.v.front()
+                                                          : snapshot.v.back()));
+  });
 }
 
 Sample Probe::take(const Statistics& statistics) {
   if (statistics.account) {
-    sample_.impulse = {statistics.account->left.impulse, statistics.account->right.impulse};
-    sample_.peak = {statistics.account->left.peak_reaction, statistics.account->right.peak_reaction};
+    const RunAccount& account = *statistics.account;
+    sample_.impulse[0] = account.left.impulse, sample_.impulse[1] = account.right.impulse;
+    sample_.peak[0] = account.left.peak_reaction, sample_.peak[1] = account.right.peak_reaction;
+    for (std::size_t k = 0; k < account.joints.size(); ++k)
+      sample_.impulse[2 + k] = account.joints[k].impulse, sample_.peak[2 + k] = account.joints[k].peak_reaction;
   }
   sample_.statistics = statistics;
   return std::move(sample_);
@@ -103,8 +149,9 @@ double largest(const Sample& sample, Goal of) {
         most = std::max({most, std::abs(sample.row(k)[0]), std::abs(sample.row(k)[sample.x.size() - 1])});
       return most;
     case Goal::contact_times: return sample.events.empty() ? sample.end : sample.events.back().time;
-    case Goal::impulse: return std::max(std::abs(sample.impulse[0]), std::abs(sample.impulse[1]));
-    case Goal::peak_reaction: return std::max(sample.peak[0], sample.peak[1]);
+    case Goal::impulse:
+      return Values(sample.impulse.data(), static_cast<Eigen::Index>(sample.impulse.size())).abs().maxCoeff();
+    case Goal::peak_reaction: return std::ranges::max(sample.peak);
     case Goal::end_velocity: return std::max(sample.speed[0], sample.speed[1]);
   }
   return most;
@@ -118,11 +165,11 @@ struct Contact {
   bool from_start = false, to_end = false;
 };
 
-std::vector<Contact> contacts_of(const Sample& sample, Where end) {
+std::vector<Contact> contacts_of(const Sample& sample, Where end, std::size_t joint) {
   std::vector<Contact> contacts;
   double before = 0.0;
   for (const Event& event : sample.events) {
-    if (event.where != end) continue;
+    if (event.where != end || (joint > 0 && event.node != joint)) continue;
     const double impulse = event.impulse.value_or(0.0);
     if (event.change == Change::closing) {
       before = impulse;
@@ -135,16 +182,16 @@ std::vector<Contact> contacts_of(const Sample& sample, Where end) {
     contacts.back().to_end = false;
   }
   if (!contacts.empty() && contacts.back().to_end)
-    contacts.back().impulse = sample.impulse[end == Where::left ? 0 : 1] - before;
+    contacts.back().impulse = sample.impulse[index_of(end, joint)] - before;
   return contacts;
 }
 
 // By how much the end moves over the output times within a flight.
-double travel(const Sample& sample, Where end, double from, double to) {
+double travel(const Sample& sample, Where end, std::size_t joint, double from, double to) {
   const auto first = std::lower_bound(sample.times.begin(), sample.times.end(), from) - sample.times.begin();
   double low = 1e300, high = -1e300;
   for (auto k = static_cast<std::size_t>(first); k < sample.rows() && sample.times[k] <= to; ++k) {
-    const double u = sample.row(k)[end == Where::left ? 0 : sample.x.size() - 1];
+    const double u = opening(sample, sample.row(k), end, joint);
     low = std::min(low, u);
     high = std::max(high, u);
   }
@@ -153,13 +200,13 @@ double travel(const Sample& sample, Where end, double from, double to) {
 
 }  // namespace
 
-Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain) {
+Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain, std::size_t joint) {
   // A flight that is too low makes one contact of its neighbours.
   std::vector<Contact> merged;
-  for (const Contact& next : contacts_of(sample, end)) {
+  for (const Contact& next : contacts_of(sample, end, joint)) {
     const double flight = merged.empty() ? 0.0 : next.begin - merged.back().end;
     const bool high = merged.empty() || flight * next.closing_speed >= grain.height ||
-                      travel(sample, end, merged.back().end, next.begin) >= grain.height;
+                      travel(sample, end, joint, merged.back().end, next.begin) >= grain.height;
     if (merged.empty() || (high && flight >= grain.duration)) {
       merged.push_back(next);
       continue;
@@ -170,7 +217,7 @@ Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain)
     one.to_end = next.to_end;
   }
   Changes changes;
-  const double speed = sample.speed[end == Where::left ? 0 : 1];
+  const double speed = sample.speed[index_of(end, joint)];
   for (const Contact& contact : merged) {
     if (std::abs(contact.impulse) < grain.height * grain.impedance || contact.end - contact.begin < grain.duration)
       continue;
@@ -184,8 +231,27 @@ Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain)
 
 namespace {
 
+// A place of a run, and the member of its chain that it is of.
+struct Place {
+  std::size_t member;
+  double x;
+};
+
+std::vector<Place> places_of(const Sample& sample, Goal of) {
+  const std::vector<double>& x = sample.x;
+  if (of != Goal::displacement)
+    return {{0, x.front()}, {std::max<std::size_t>(1, sample.members.size()) - 1, x.back()}};
+  std::vector<Place> places;
+  for (std::size_t i = 0, member = 0; i < x.size(); ++i) {
+    while (!sample.members.empty() && i >= sample.members[member].end)
+      ++member;  // a node that two have is the left one's
+    places.push_back({member, x[i]});
+  }
+  return places;
+}
+
 // At a node up to rounding that one.
-Interpolant interpolant_or_node(const std::vector<double>& x, double at) {
+Interpolant interpolant_or_node(std::span<const double> x, double at) {
   const double close = 1e-9 * (x.back() - x.front());
   const auto right = std::lower_bound(x.begin(), x.end(), at - close);
   const auto index = static_cast<std::size_t>(std::min(right, x.end() - 1) - x.begin());
@@ -194,10 +260,14 @@ Interpolant interpolant_or_node(const std::vector<double>& x, double at) {
 
 // The first rows of a run at some places, row by row; what is copied of them is in `copy`. On meshes that are halves of
 // each other the places are each n-th node.
-Values at_places(const Sample& sample, const std::vector<double>& places, std::size_t rows, std::vector<double>& copy) {
+Values at_places(const Sample& sample, const std::vector<Place>& places, std::size_t rows, std::vector<double>& copy) {
   const std::size_t count = places.size(), width = sample.x.size();
   std::vector<Interpolant> rules;
-  for (const double x : places) rules.push_back(interpolant_or_node(sample.x, x));
+  for (const auto& [member, x] : places) {
+    const auto [first, end] = sample.members.empty() ? Sample::Range{0, sample.x.size()} : sample.members[member];
+    rules.push_back(interpolant_or_node(std::span(sample.x).subspan(first, end - first), x));
+    rules.back().begin += first;
+  }
   const std::size_t stride = count > 1 ? rules[1].begin : 1;
   bool regular = true;
   for (std::size_t i = 0; i < count; ++i) regular = regular && rules[i].count == 1 && rules[i].begin == i * stride;
@@ -218,13 +288,13 @@ Values at_places(const Sample& sample, const std::vector<double>& places, std::s
 // The goals that are a few numbers of a run.
 std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
   std::vector<double> all;
-  if (of == Goal::impulse) all.assign(sample.impulse.begin(), sample.impulse.end());
-  if (of == Goal::peak_reaction) all.assign(sample.peak.begin(), sample.peak.end());
+  if (of == Goal::impulse) return sample.impulse;
+  if (of == Goal::peak_reaction) return sample.peak;
   if (of == Goal::contact_times)
-    for (const Where end : {Where::left, Where::right}) {
-      const Changes changes = changes_that_matter(sample, end, grain);
+    each_place(sample, [&](Where end, std::size_t joint) {
+      const Changes changes = changes_that_matter(sample, end, grain, joint);
       all.insert(all.end(), changes.times.begin(), changes.times.end());
-    }
+    });
   return all;
 }
 
@@ -238,8 +308,7 @@ void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& gr
     for (const Sample* sample : samples)
       u.emplace_back(sample->end_velocities.data(), static_cast<Eigen::Index>(2 * rows));
   } else if (is_field(of)) {
-    const std::vector<double>& x = samples.front()->x;
-    const std::vector<double> places = of == Goal::displacement ? x : std::vector<double>{x.front(), x.back()};
+    const std::vector<Place> places = places_of(*samples.front(), of);
     const std::size_t rows = std::ranges::min(samples, {}, &Sample::rows)->rows();
     for (std::size_t n = 0; n < samples.size(); ++n) u.push_back(at_places(*samples[n], places, rows, copies[n]));
   } else {
@@ -256,12 +325,12 @@ bool is_field(Goal of) { return of == Goal::displacement || of == Goal::end_trac
 
 SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain) {
   SameChanges result;
-  for (const Where end : {Where::left, Where::right}) {
-    const Changes a = changes_that_matter(coarse, end, grain), b = changes_that_matter(fine, end, grain);
+  each_place(coarse, [&](Where end, std::size_t joint) {
+    const Changes a = changes_that_matter(coarse, end, grain, joint), b = changes_that_matter(fine, end, grain, joint);
     result.coarse += a.times.size();
     result.fine += b.times.size();
     if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same = false;
-  }
+  });
   return result;
 }
 

@@ -12,19 +12,32 @@
 
 namespace viscobar::accuracy {
 
+/// Elements of the bar of a case that has the fewest: of a chain a mesh is refined in all of them by one factor.
+std::size_t fewest_in_a_bar(const Case& run);
+/// The case on the same mesh, whose elements are those of its bars: their multiples have all nodes of it.
+Case on_its_mesh(Case run);
+
 /// Data of a run for all goals: the field at some nodes and output times, the ends, the contacts.
 struct Sample {
+  struct Range {
+    std::size_t begin, end;
+  };
   std::vector<double> x;               ///< places that are kept
+  std::vector<Range> members;          ///< places of each member of a chain; two have one where they are bonded
   std::vector<double> times;           ///< that are kept, K
   std::vector<double> u;               ///< of them, K times, row by row
   std::vector<Event> events;           ///< contact changes
-  std::array<double, 2> impulse{};     ///< of both ends
-  std::array<double, 2> peak{};        ///< max |R| of both ends
-  std::array<double, 2> speed{};       ///< max |v| of both ends at the output times
+  std::vector<double> impulse;         ///< of both ends, and of the joints of a chain
+  std::vector<double> peak;            ///< max |R| of them
+  std::vector<double> speed;           ///< max |v| of both ends at the output times, of joints that of its sides apart
   std::vector<double> end_velocities;  ///< of both ends at the times that are kept, 2 K
   Statistics statistics;               ///< of the run
   double end = 0.0;                    ///< T
 
+  /// The place to the right of joint k of a chain, where it is not bonded; else 0.
+  std::size_t right_of(std::size_t joint) const {
+    return members[joint].begin == members[joint - 1].end ? members[joint].begin : 0;
+  }
   std::size_t rows() const { return x.empty() ? 0 : u.size() / x.size(); }
   const double* row(std::size_t k) const { return u.data() + k * x.size(); }
 };
@@ -77,7 +90,7 @@ struct Changes {
   bool first_closes = true;
   std::vector<double> times;
 };
-Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain);
+Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain, std::size_t joint = 0);
 
 /// True if the goal is a field over time; else it is a few numbers of the run.
 bool is_field(Goal of);

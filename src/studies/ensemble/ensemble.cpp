@@ -10,7 +10,6 @@
 
 #include "case/scene_numbers.hpp"
 #include "studies/ensemble/lane_levels.hpp"
-#include "studies/one_bar.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar {
@@ -39,7 +38,11 @@ class EnsembleRun {
     if (study.error && !(*study.error > 0.0 && *study.error < 1.0))
       throw std::invalid_argument(fmt::format("error: is a share between 0 and 1, is {}", *study.error));
     const Case& run = first_.run;
-    require_one_bar(run.scene, "an ensemble");
+    if (!run.scene.chain.empty())
+      throw std::invalid_argument(
+          fmt::format("bar.1.length: an ensemble takes one bar, and here are {} in line; `viscobar run` and `sweep` "
+                      "take those",
+                      run.scene.chain.size()));
     std::vector<EnsembleOutput> outputs;
     for (const std::string& text : study.outputs) outputs.push_back(ensemble_output(text, run));
     layout_.emplace(std::move(outputs), run, study.error.has_value());

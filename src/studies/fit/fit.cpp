@@ -18,23 +18,27 @@ namespace viscobar {
 using namespace fitting;
 
 std::string name(TraceColumn column, double place) {
-  constexpr std::string_view names[] = {"u_left", "v_left", "reaction_left", "u_right", "v_right", "reaction_right",
-                                        "u@",     "v@",     "strain@",       "stress@"};
+  constexpr std::string_view names[] = {
+      "u_left", "v_left",  "reaction_left", "u_right", "v_right",  "reaction_right", "u@",
+      "v@",     "strain@", "stress@",       "u_left:", "u_right:", "force:"};
   const std::string_view own = names[static_cast<std::size_t>(column)];
-  return own.ends_with('@') ? fmt::format("{}{}", own, place) : std::string(own);
+  return own.ends_with('@') || own.ends_with(':') ? fmt::format("{}{}", own, place) : std::string(own);
 }
 
 std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view text) {
   for (const TraceColumn column : all_trace_columns)
     if (name(column) == text) return std::pair(column, 0.0);
-  const std::size_t at = text.find('@');
+  const std::size_t at = text.find_first_of("@:");
   const auto place = at == text.npos ? std::nullopt : number_in<double>(text.substr(at + 1));
   if (!place || !std::isfinite(*place)) return std::nullopt;
-  for (const auto& [quantity, column] : {std::pair{"u", TraceColumn::u_at},
-                                         {"v", TraceColumn::v_at},
-                                         {"strain", TraceColumn::strain_at},
-                                         {"stress", TraceColumn::stress_at}})
-    if (text.substr(0, at) == quantity) return std::pair(column, *place);
+  for (const auto& [quantity, column] : {std::pair{"u@", TraceColumn::u_at},
+                                         {"v@", TraceColumn::v_at},
+                                         {"strain@", TraceColumn::strain_at},
+                                         {"stress@", TraceColumn::stress_at},
+                                         {"u_left:", TraceColumn::u_left_of},
+                                         {"u_right:", TraceColumn::u_right_of},
+                                         {"force:", TraceColumn::force_of}})
+    if (text.substr(0, at + 1) == quantity) return std::pair(column, *place);
   return std::nullopt;
 }
 
@@ -311,11 +315,17 @@ void check_places(const FitStudy& study) {
   const Case run = study.changes.empty() ? Case() : study.model(values);
   for (const Event& change : study.changes) {
     const bool left = change.where == Where::left;
-    if (change.where == Where::span ? run.scene.span && change.node <= run.elements
-                                    : is_obstacle(left ? run.scene.left : run.scene.right))
+    const std::vector<Member>& chain = run.scene.chain;
+    if (change.where == Where::joint && change.node < chain.size() &&
+        chain[change.node - 1].joint.kind == JointKind::contact)
       continue;
-    const std::string place = change.where == Where::span ? fmt::format("node {} of a span obstacle", change.node)
-                                                          : fmt::format("the {} end", left ? "left" : "right");
+    if (change.where != Where::joint &&
+        (change.where == Where::span ? run.scene.span && change.node <= run.elements
+                                     : is_obstacle(left ? run.scene.left : run.scene.right)))
+      continue;
+    const std::string place = change.where == Where::joint  ? fmt::format("joint {}", change.node)
+                              : change.where == Where::span ? fmt::format("node {} of a span obstacle", change.node)
+                                                            : fmt::format("the {} end", left ? "left" : "right");
     throw std::invalid_argument(
         fmt::format("fit: a contact was measured at t = {} at {}, where the scene has none", change.time, place));
   }

@@ -87,8 +87,8 @@ void compare_integrals(const MeasuredTrace& trace, const std::vector<double>& t,
 }
 
 // Integrals of a reaction: where its contact closes or opens between two samples, over that part of the interval.
-std::vector<Traced> impulses(Where where, const std::vector<double>& t, const std::vector<Traced>& reaction,
-                             const std::vector<Event>& changes) {
+std::vector<Traced> impulses(Where where, std::size_t joint, const std::vector<double>& t,
+                             const std::vector<Traced>& reaction, const std::vector<Event>& changes) {
   const Eigen::Index n = reaction.front().size();
   std::vector<Traced> sums = {Traced::Zero(n)};
   std::size_t next = 0;
@@ -97,7 +97,7 @@ std::vector<Traced> impulses(Where where, const std::vector<double>& t, const st
     Traced length = Traced::Unit(n, 0) * (t[k] - t[k - 1]);
     for (; next < changes.size() && changes[next].time <= t[k]; ++next) {
       const Event& change = changes[next];
-      if (change.where != where || change.time < t[k - 1]) continue;
+      if (change.where != where || (joint > 0 && change.node != joint) || change.time < t[k - 1]) continue;
       const bool closes = change.change == Change::closing;
       share = 1.0;
       length(0) -= closes ? change.time - t[k - 1] : t[k] - change.time;
@@ -128,29 +128,38 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
   std::vector<std::vector<Traced>> model(study.traces.size());
   std::vector<ColumnReader> readers, of_rates;  // the latter of the stress by E' and eta', a row of parameters each
-  const Mesh& mesh = setup.mesh;
+  const BarSystem system = setup.system();
+  // The scene whose material is its derivative.
+  const auto rates_of = [&](const Direction& direction) {
+    Scene rates = run.scene;
+    rates.bar = direction.bar;
+    for (std::size_t m = 0; m < rates.chain.size(); ++m)
+      rates.chain[m].bar.modulus = direction.members[m].bar.modulus,
+      rates.chain[m].bar.viscosity = direction.members[m].bar.viscosity;
+    return rates;
+  };
   for (const MeasuredTrace& trace : study.traces) {
     TraceColumn column = trace.column;
     if (compared == Compared::integrals && is_velocity(column))
       column = column == TraceColumn::v_left    ? TraceColumn::u_left
                : column == TraceColumn::v_right ? TraceColumn::u_right
                                                 : TraceColumn::u_at;
-    readers.emplace_back(column, trace.place, mesh, run.scene.bar);
+    readers.emplace_back(column, trace.place, system, run.scene);
     for (Eigen::Index j = 0; j < parameters; ++j)
-      of_rates.emplace_back(TraceColumn::stress_at, trace.place, mesh, run.directions[j].bar);
+      if (trace.column == TraceColumn::stress_at)
+        of_rates.emplace_back(TraceColumn::stress_at, trace.place, system, rates_of(run.directions[j]));
   }
   Observers observers;
   observers.off_the_clock = false;
   if (derivatives) observers.directions = run.directions;
   observers.snapshot = [&, told = std::size_t{0}](const Snapshot& at) mutable {
     for (; told < study.times.size() && study.times[told] == at.time; ++told)
-      for (std::size_t i = 0; i < model.size(); ++i) {
+      for (std::size_t i = 0, stress = 0; i < model.size(); ++i) {
         model[i].emplace_back(1 + parameters);
         model[i].back()(0) = readers[i](at);
         for (Eigen::Index j = 0; j < parameters; ++j) {
           double& rate = model[i].back()(1 + j) = readers[i](at.sensitivities[j]);
-          if (study.traces[i].column == TraceColumn::stress_at)
-            rate += of_rates[i * static_cast<std::size_t>(parameters) + static_cast<std::size_t>(j)](at);
+          if (study.traces[i].column == TraceColumn::stress_at) rate += of_rates[stress++](at);
         }
       }
   };
@@ -160,7 +169,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     stopped = stopped || (study.stop && study.stop());
     return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
   };
-  const Statistics done = simulate(setup, times, observers);
+  const Statistics done = simulate(setup, system, times, observers);
   if (stopped) throw FitStopped();
   if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;
@@ -177,8 +186,10 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
       compare_integrals(trace, study.times, model[i], rows);
     else
       compare_integrals(trace, study.times,
-                        impulses(trace.column == TraceColumn::reaction_left ? Where::left : Where::right, study.times,
-                                 model[i], misfit.changes),
+                        impulses(trace.column == TraceColumn::reaction_left    ? Where::left
+                                 : trace.column == TraceColumn::reaction_right ? Where::right
+                                                                               : Where::joint,
+                                 static_cast<std::size_t>(trace.place), study.times, model[i], misfit.changes),
                         rows);
   }
   std::map<Kind, std::size_t> seen;

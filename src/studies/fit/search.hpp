@@ -38,7 +38,8 @@ inline bool is_velocity(TraceColumn column) {
   return column == TraceColumn::v_left || column == TraceColumn::v_right || column == TraceColumn::v_at;
 }
 inline bool is_reaction(TraceColumn column) {
-  return column == TraceColumn::reaction_left || column == TraceColumn::reaction_right;
+  return column == TraceColumn::reaction_left || column == TraceColumn::reaction_right ||
+         column == TraceColumn::force_of;
 }
 
 /// Runs a model beside the data, with so many steps at most. A measured contact change that the model does not have, in

@@ -1,5 +1,7 @@
 #include "studies/judge/contacts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -163,12 +165,25 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
   // Shorter flights are no flights: of samples two do not see them, of changes they are bounces that die away.
   const double merge = theirs.changes ? 1e-3 * (end - begin) : 2.0 * judged.sample;
   const Sight sight{t, begin, end, judged.sample, ours.touch};
-  const auto at_end_or_span = [&](Where where) {
+  const auto spot_of = [&](Where where, std::size_t joint = 0) {
     Spot spot{.at = {.where = where}};
-    spot.own = periods_of(ours.changes, where, begin, end, merge);
-    spot.coarser = periods_of(ours.coarser, where, begin, end, merge);
-    if (theirs.changes) spot.theirs = periods_of(*theirs.changes, where, begin, end, merge);
+    if (joint > 0) spot.at.place = static_cast<double>(joint);
+    const auto periods = [&](std::span<const Event> all) {
+      std::vector<Event> here(all.begin(), all.end());
+      std::erase_if(here, [joint](const Event& event) { return joint > 0 && event.node != joint; });
+      return periods_of(here, where, begin, end, merge);
+    };
+    spot.own = periods(ours.changes);
+    spot.coarser = periods(ours.coarser);
+    if (theirs.changes) spot.theirs = periods(*theirs.changes);
     return spot;
+  };
+  // Where their forces push, to a part of the largest.
+  const auto pushing = [&](const std::vector<double>& forces) {
+    std::vector<double> reached;  // -|R|
+    double most = -1e9 * std::numeric_limits<double>::min();
+    for (const double value : forces) reached.push_back(-std::abs(value)), most = std::fmin(most, reached.back());
+    return periods_of(t, reached, 1e-9 * most);
   };
   const auto clearances = [&](const std::vector<double>& u, const Obstacle& obstacle, const EndInput& input) {
     std::vector<double> all;
@@ -182,20 +197,33 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
                *u = theirs.column(right ? "u_right" : "u_left");
     if (!obstacle || !(theirs.changes || reaction || u)) continue;
     const EndInput& input = right ? run.scene.right_input : run.scene.left_input;
-    Spot spot = at_end_or_span(right ? Where::right : Where::left);
+    Spot spot = spot_of(right ? Where::right : Where::left);
     spot.own_clearance = clearances(ours.ends[right], *obstacle, input);
     if (u) spot.their_clearance = clearances(u->values, *obstacle, input);
     if (!theirs.changes && !reaction) spot.theirs = periods_of(t, spot.their_clearance, ours.touch);
-    if (!theirs.changes && reaction) {
-      std::vector<double> reached;  // -|R|
-      double most = -1e9 * std::numeric_limits<double>::min();
-      for (const double value : reaction->values)
-        reached.push_back(-std::abs(value)), most = std::fmin(most, reached.back());
-      spot.theirs = periods_of(t, reached, 1e-9 * most);
-    }
+    if (!theirs.changes && reaction) spot.theirs = pushing(reaction->values);
     judge_spot(judged.contacts, spot, sight);
   }
-  if (run.scene.span && theirs.changes) judge_spot(judged.contacts, at_end_or_span(Where::span), sight);
+  for (std::size_t k = 1, at = 2; k < run.scene.chain.size(); ++k) {
+    const Joint& joint = run.scene.chain[k - 1].joint;
+    if (joint.kind != JointKind::contact) continue;
+    const std::vector<double>&own_left = ours.ends[at], &own_right = ours.ends[at + 1];
+    at += 2;
+    const auto *force = theirs.column(fmt::format("force:{}", k)), *left = theirs.column(fmt::format("u_left:{}", k)),
+               *right = theirs.column(fmt::format("u_right:{}", k));
+    if (!(theirs.changes || force || (left && right))) continue;
+    const auto clear = [&](const std::vector<double>& a, const std::vector<double>& b) {
+      std::vector<double> all;
+      for (std::size_t i = 0; i < a.size(); ++i) all.push_back(b[i] - a[i] + joint.gap);
+      return all;
+    };
+    Spot spot = spot_of(Where::joint, k);
+    spot.own_clearance = clear(own_left, own_right);
+    if (left && right) spot.their_clearance = clear(left->values, right->values);
+    if (!theirs.changes) spot.theirs = force ? pushing(force->values) : periods_of(t, spot.their_clearance, ours.touch);
+    judge_spot(judged.contacts, spot, sight);
+  }
+  if (run.scene.span && theirs.changes) judge_spot(judged.contacts, spot_of(Where::span), sight);
   for (const JudgedColumn& column : judged.columns) {
     if (!run.scene.span || theirs.changes || column.jumps()) continue;
     const auto [of, place] = *trace_column(column.name);

@@ -10,10 +10,11 @@ namespace viscobar {
 
 /// The bar's own motion, as far as its contacts need it.
 struct OwnContacts {
-  std::span<const Event> changes;           ///< of the finer of our runs
-  std::span<const Event> coarser;           ///< of the coarser one; empty where there is none
-  std::array<std::vector<double>, 2> ends;  ///< displacements of the ends at their times
-  double touch = 0.0;                       ///< a displacement so near to an obstacle is at it
+  std::span<const Event> changes;  ///< of the finer of our runs
+  std::span<const Event> coarser;  ///< of the coarser one; empty where there is none
+  /// Displacements of the ends at their times, and of both sides of each joint that is a contact.
+  std::vector<std::vector<double>> ends;
+  double touch = 0.0;  ///< a displacement so near to an obstacle is at it
 };
 
 /// Contacts of a solution whose columns have been judged, beside the bar's, into `judged.contacts`.

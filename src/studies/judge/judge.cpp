@@ -11,7 +11,6 @@
 #include "studies/accuracy/runs.hpp"
 #include "studies/column_reader.hpp"
 #include "studies/judge/contacts.hpp"
-#include "studies/one_bar.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
@@ -29,13 +28,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 using Column = std::pair<TraceColumn, double>;
 
-Column column_of(const std::string& text, double length) {
+Column column_of(const std::string& text, const Scene& scene) {
   const auto column = trace_column(text);
   if (!column)
     throw std::invalid_argument(fmt::format(
-        "{}: no column of ends.csv, nor of gauges.csv, u, v, strain and stress at a place, such as u@0.25", text));
-  if (!(column->second >= 0.0 && column->second <= length))
-    throw std::invalid_argument(fmt::format("{}: is not on the bar, whose length is {}", text, length));
+        "{}: no column of ends.csv, nor of gauges.csv, u, v, strain and stress at a place, such as u@0.25, nor of "
+        "joints.csv, such as force:1",
+        text));
+  if (const auto why = place_refusal(column, scene)) throw std::invalid_argument(fmt::format("{}: {}", text, *why));
   return *column;
 }
 
@@ -50,7 +50,7 @@ Motion motion_of(const Case& run, std::span<const double> times, std::span<const
   const Setup setup = resolve(run);
   const BarSystem system = setup.system();
   std::vector<ColumnReader> readers;
-  for (const auto& [column, place] : columns) readers.emplace_back(column, place, system.mesh(), system.bar());
+  for (const auto& [column, place] : columns) readers.emplace_back(column, place, system, run.scene);
   Motion motion;
   motion.columns.resize(readers.size());
   Observers observers;
@@ -100,10 +100,11 @@ void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Sce
     double x;
     const JudgedColumn *u, *v;
   };
+  if (!scene.chain.empty()) return;
   const Bar& bar = scene.bar;
   std::vector<Place> places;
   for (const JudgedColumn& column : judged.columns) {
-    const auto [of, place] = column_of(column.name, bar.length);
+    const auto [of, place] = column_of(column.name, scene);
     const double x = of == TraceColumn::u_right ? bar.length : place;
     const auto v = std::ranges::find(judged.columns, "v" + column.name.substr(1), &JudgedColumn::name);
     if (!column.jumps() && v != judged.columns.end() && std::ranges::find(places, x, &Place::x) == places.end())
@@ -153,8 +154,9 @@ void check(const JudgeStudy& study) {
     if (!theirs.times.empty()) check_times(theirs.times.front(), theirs.times.back());
     if (theirs.changes && !theirs.changes->empty())
       check_times(theirs.changes->front().time, theirs.changes->back().time);
-    constexpr const char* places[] = {"at the left end", "at the right end", "along the span"};
-    const bool obstacles[] = {is_obstacle(scene.left), is_obstacle(scene.right), scene.span.has_value()};
+    constexpr const char* places[] = {"at the left end", "at the right end", "along the span", "at a joint"};
+    const bool obstacles[] = {is_obstacle(scene.left), is_obstacle(scene.right), scene.span.has_value(),
+                              has_contact_joint(scene)};
     for (const Event& event : theirs.changes.value_or(std::vector<Event>()))
       if (const auto at = static_cast<std::size_t>(event.where); !obstacles[at])
         refuse(fmt::format("has contact changes {}, where the scene has no obstacle", places[at]));
@@ -202,16 +204,20 @@ std::size_t JudgedSolution::count(ContactVerdict verdict) const {
 }
 
 JudgeResult judge(const JudgeStudy& study) {
-  require_one_bar(study.scene.scene, "a judge of solutions");
   check(study);
+  const Scene& scene = study.scene.scene;
   const auto started = std::chrono::steady_clock::now();
-  const double length = study.scene.scene.bar.length;
-  // Places of all solutions, one behind the other, behind the ends, which contacts need.
+  // Places of all solutions, one behind the other, behind the ends and joints, which contacts need.
   std::vector<Column> columns = {{TraceColumn::u_left, 0.0}, {TraceColumn::u_right, 0.0}};
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
+    if (scene.chain[k].joint.kind == JointKind::contact)
+      for (const TraceColumn side : {TraceColumn::u_left_of, TraceColumn::u_right_of})
+        columns.emplace_back(side, static_cast<double>(k + 1));
+  const std::size_t of_contacts = columns.size();
   std::vector<double> times = {0.0};
   for (const TheirSolution& theirs : study.solutions) {
     if (theirs.times.empty()) times.push_back(study.scene.end);
-    for (const auto& column : theirs.columns) columns.push_back(column_of(column.name, length));
+    for (const auto& column : theirs.columns) columns.push_back(column_of(column.name, scene));
     for (const double t : theirs.times) times.push_back(std::clamp(t, 0.0, study.scene.end));
   }
   std::ranges::sort(times);
@@ -270,7 +276,7 @@ JudgeResult judge(const JudgeStudy& study) {
     judgement.estimate = solved.estimate;
     judgement.solutions.clear();
     bool settled = coarser.has_value();
-    std::size_t at = 2;
+    std::size_t at = of_contacts;
     for (std::size_t s = 0; s < study.solutions.size(); ++s) {
       const TheirSolution& theirs = study.solutions[s];
       JudgedSolution& judged = judgement.solutions.emplace_back();
@@ -304,13 +310,11 @@ JudgeResult judge(const JudgeStudy& study) {
         if (coarser) errors_before[at] = own_now;
         ++at;
       }
-      OwnContacts ours{motion.events,
-                       {},
-                       {at_times(motion.columns[0], rows[s]), at_times(motion.columns[1], rows[s])},
-                       std::max(solved.estimate.total, file_digits * solved.estimate.largest)};
+      OwnContacts ours{motion.events, {}, {}, std::max(solved.estimate.total, file_digits * solved.estimate.largest)};
+      for (std::size_t k = 0; k < of_contacts; ++k) ours.ends.push_back(at_times(motion.columns[k], rows[s]));
       if (coarser) ours.coarser = coarser->events;
       judge_contacts(judged, theirs, solved.run, ours);
-      judge_energy(judged, theirs, study.scene.scene);
+      judge_energy(judged, theirs, scene);
     }
     if (settled) {
       judgement.reason = "our own error is a tenth of every difference, or does not fall";

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "studies/limit/mesh_runs.hpp"
-#include "studies/one_bar.hpp"
 
 namespace viscobar {
 
@@ -42,6 +41,8 @@ Case without_obstacles(Case run) {
   if (is_obstacle(run.scene.left)) run.scene.left = Free{};
   if (is_obstacle(run.scene.right)) run.scene.right = Free{};
   run.scene.span.reset();
+  for (Member& member : run.scene.chain)
+    if (member.joint.kind == JointKind::contact) member.joint = {.kind = JointKind::spring};  // of no stiffness
   return run;
 }
 
@@ -54,7 +55,7 @@ bool one_law(const Case& run) {
 // zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon.
 std::optional<double> boundary_of(const Case& run) {
   const double h = run.mesh().smallest(), eta = run.scene.bar.viscosity;  // of the contact nodes
-  if (!(eta > 0.0)) return std::nullopt;
+  if (!(eta > 0.0) || !run.scene.chain.empty()) return std::nullopt;      // each joint has its own
   return run.scene.bar.density * h * h * h * (run.scene.span ? h : 1.0) / (eta * eta);
 }
 
@@ -197,8 +198,9 @@ std::optional<Judgement> early_plateau(const MeshRuns& mesh, const LimitStudy& s
     early.epsilons = decades(100.0 * smallest, smallest);
     early.steps = {std::min(mesh.step(), *until / 1000.0)};
   } else {
-    const double boundary = *boundary_of(run);
-    early.epsilons = decades(boundary, 1e-4 * boundary);
+    const auto boundary = boundary_of(run);
+    if (!boundary) return std::nullopt;
+    early.epsilons = decades(*boundary, 1e-4 * *boundary);
     early.steps = {*until / 3000.0};
   }
   early.row = {};
@@ -385,7 +387,6 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
 }  // namespace
 
 LimitResult limit_of(const LimitStudy& study) {
-  require_one_bar(study.scene.scene, "limit");
   if (!meets_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =
@@ -419,7 +420,6 @@ LimitResult limit_of(const LimitStudy& study) {
 }
 
 AccuracyResult limit_to_accuracy(const LimitStudy& study, const AccuracyRequest& request) {
-  require_one_bar(study.scene.scene, "limit");
   AccuracyStudy inner;
   inner.scene = study.scene;
   inner.scene.mass = common_mass(study.scene);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
@@ -56,11 +57,9 @@ Continuous known(const std::string& what, double error, std::vector<Field> field
 
 }  // namespace
 
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patience& patience) {
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const Patience& patience) {
   Continuous result;
   PrecisionReference reference;
-  std::size_t elements = 0;
-  for (const Mesh& mesh : meshes) elements = std::max(elements, mesh.elements);
   double difference = std::numeric_limits<double>::infinity();
   const auto enough = [&] { return elements / 2 >= fine || difference <= tolerance * largest(result.fields); };
   for (std::size_t doublings = 0; doublings <= least_doublings || !enough(); ++doublings, elements *= 2) {
@@ -119,6 +118,10 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, c
     Case run = scene;
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
+    if (mesh.members) {  // beside elements of the joints
+      run.bar_elements = *mesh.members;
+      run.elements = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+    }
     Statistics done;
     fields.push_back(field_of(run, mesh, patience, &done));
     if (done.representation) error = std::max(error, done.representation->error);

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
-#include "studies/one_bar.hpp"
+#include "studies/accuracy/sample.hpp"
 #include "studies/parallel.hpp"
 #include "studies/precision/references.hpp"
 
@@ -28,7 +29,7 @@ double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
                         : scene.output_every / std::floor(most / std::max(1.0, outputs));
 }
 
-std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<Mesh>& meshes,
+std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<std::size_t>& counts,
                               PrecisionResult& result) {
   Spent spent;
   std::vector<MethodName> methods = study.methods;
@@ -36,16 +37,16 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
     std::copy_if(std::begin(all_methods), std::end(all_methods), std::back_inserter(methods),
                  [](MethodName method) { return is_scheme(method) || is_adaptive(method); });
   std::vector<Timed> all;
-  for (const Mesh& mesh : meshes)
+  for (const std::size_t count : counts)
     for (const MethodName method : methods) {
       Case run = scene;
-      run.elements = mesh.elements;
+      run.elements = count;
       run.method = method;
       if (const std::vector<Finding> findings = faults(resolve(run)); !findings.empty()) {
         const std::string reason = fmt::format("{}: {}", findings.front().key, findings.front().problem);
         if (!study.methods.empty())
           throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), reason));
-        result.left_out.push_back({method, mesh.elements, "", reason});
+        result.left_out.push_back({method, count, "", reason});
         continue;
       }
       std::vector<Timed> rows = settings_of(study, run);
@@ -63,7 +64,7 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
 void measure_errors(const PrecisionStudy& study, Timed& timed, const References& references) {
   PrecisionRow& row = timed.row;
   if (!row.failure.empty()) return;
-  const Field* exact = references.exact(row.elements);
+  const Field* exact = references.exact(timed.run);
   const Field* semi_discrete = references.semi_discrete(timed.run);
   if (exact) row.error = 0.0;
   if (semi_discrete) row.time_error = 0.0;
@@ -91,21 +92,25 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
 }
 
 PrecisionResult precision_of(const PrecisionStudy& study) {
-  require_one_bar(study.scene.scene, "precision");
+  Case scene = accuracy::on_its_mesh(study.scene);
+  const std::vector<std::size_t> counts =
+      study.elements.empty() ? std::vector<std::size_t>{scene.elements} : study.elements;
   std::vector<Mesh> meshes;
-  Mesh mesh = study.scene.mesh();
-  if (study.elements.empty()) meshes.push_back(mesh);
-  for (const std::size_t count : study.elements) {
-    mesh.elements = count;
-    meshes.push_back(mesh);
+  for (const std::size_t count : counts) {
+    for (const std::size_t own : scene.bar_elements)
+      if (count * own % scene.elements != 0)
+        throw std::invalid_argument(
+            fmt::format("mesh.elements: {} do not refine all bars by one factor; take multiples of {}", count,
+                        std::accumulate(scene.bar_elements.begin(), scene.bar_elements.end(), scene.elements,
+                                        [&](std::size_t sum, std::size_t one) { return std::gcd(sum, one); })));
+    meshes.push_back(mesh_of(scene, count));
   }
-  Case scene = study.scene;
   scene.output_every = error_times(scene, meshes);
 
   PrecisionResult result;
   result.times = scene.output_times().size();
   result.every = scene.output_every;
-  std::vector<Timed> rows = timed_rows(study, scene, meshes, result);
+  std::vector<Timed> rows = timed_rows(study, scene, counts, result);
   if (study.progress) study.progress("references");
   const References references(study, scene, meshes, rows);
   if (study.progress) study.progress("errors");

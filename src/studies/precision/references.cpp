@@ -104,15 +104,17 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
         else if (sound(exact))
           continuous_ = by_characteristics(scene, meshes, patience);
         else
-          continuous_ = refine(scene, meshes, patience);
+          continuous_ = refine(
+              scene, meshes, std::ranges::max(rows, {}, [](const Timed& one) { return one.row.elements; }).row.elements,
+              patience);
       },
       study.threads);
   for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));
 }
 
-const Field* References::exact(std::size_t elements) const {
+const Field* References::exact(const Case& run) const {
   for (const Field& field : continuous_.fields)
-    if (field.mesh.elements == elements) return &field;
+    if (field.mesh.elements == run.mesh().elements) return &field;
   return nullptr;
 }
 
@@ -135,7 +137,7 @@ ErrorParts References::parts(const Timed& timed) const {
   if (!field(own)) return parts;
   parts.time_reference = found->second.what;
   parts.time_reference_error = found->second.error;
-  const Field* exact_field = exact(parts.elements);
+  const Field* exact_field = exact(timed.run);
   const auto measure_space = [&](const Field& limit) {
     if (exact_field) parts.space = distance(limit, *exact_field);
   };

@@ -36,7 +36,7 @@ class References {
   References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes, std::span<const Timed> rows);
 
   const Continuous& continuous() const { return continuous_; }
-  const Field* exact(std::size_t elements) const;     ///< u_* on a mesh, or null
+  const Field* exact(const Case& run) const;          ///< u_* on a mesh, or null
   const Field* semi_discrete(const Case& run) const;  ///< limit of the run as its time error vanishes
 
   /// Space and penalty of a method on a mesh.

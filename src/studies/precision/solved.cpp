@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "dynamics/pieces.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar::precision {
@@ -45,12 +46,23 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, cons
                              Statistics* done) {
   std::vector<Field> fields;
   for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
+  const std::vector<Piece> own = pieces_of(run.scene, run.mesh());
+  std::vector<std::vector<Piece>> pieces;
+  for (const Mesh& mesh : meshes) pieces.push_back(pieces_of(run.scene, mesh));
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) {
-    for (Field& field : fields) {
-      const std::size_t begin = field.u.size();
-      field.u.resize(begin + field.mesh.nodes());
-      interpolate(run.mesh(), now.u, field.mesh, std::span(field.u).subspan(begin));
+    for (std::size_t m = 0; m < fields.size(); ++m) {
+      std::vector<double>& u = fields[m].u;
+      const std::size_t begin = u.size();
+      u.resize(begin + fields[m].mesh.nodes());
+      for (std::size_t p = 0; p < own.size(); ++p) {
+        const Piece &from = own[p], &to = pieces[m][p];
+        if (to.rigid())
+          u[begin + to.first] = now.u[from.first];
+        else
+          interpolate(from.mesh, now.u.subspan(from.first, from.mesh.nodes()), to.mesh,
+                      std::span(u).subspan(begin + to.first, to.mesh.nodes()));
+      }
     }
   };
   const Setup setup = resolve(run);
@@ -169,8 +181,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
     result.problem = "the method has no mesh";
     return result;
   }
-  Mesh mesh = scene.mesh();
-  mesh.elements = system.elements;
+  const Mesh mesh = mesh_of(scene, system.elements);
   const std::vector<Case> runs = routes(scene, system, fineness);
   const auto fail = [&](const Case& run, const std::exception& error) {
     result.problem += fmt::format("{}{}: {}", result.problem.empty() ? "" : "; ", described(run), error.what());

@@ -18,7 +18,7 @@ namespace viscobar::precision {
 /// A displacement at the nodes of a mesh and the output times of a case.
 struct Field {
   Mesh mesh;
-  std::vector<double> u;  // K x (J+1), row by row
+  std::vector<double> u;  // K x nodes, row by row
 
   std::span<const double> at(std::size_t k) const { return std::span(u).subspan(k * mesh.nodes(), mesh.nodes()); }
 };
@@ -38,6 +38,12 @@ struct Patience {
 /// Runs the case as long as the clock allows. @throws TooLong, PrecisionStopped, IntegrationError,
 /// std::invalid_argument
 Statistics simulate_within(const Patience& patience, const Setup& setup, const BarSystem& system, Observers observers);
+
+/// The mesh of a case with as many elements.
+inline Mesh mesh_of(Case run, std::size_t elements) {
+  run.elements = elements;
+  return run.mesh();
+}
 
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
@@ -102,9 +108,9 @@ struct Continuous {
   std::vector<Field> fields;
 };
 
-/// By refinement of the mesh from the finest of `meshes` on: `rigid`, on the fourth-order mass where the mesh is
-/// uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, const Patience& patience);
+/// By refinement of the mesh from `elements` on, those of the finest of `meshes`: `rigid`, on the fourth-order mass
+/// where the mesh is uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const Patience& patience);
 Continuous closed_form(const KnownSolution& solution, const Case& scene, std::span<const Mesh> meshes);
 /// By characteristics, of a scene that they fit. @throws what the run does
 Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const Patience& patience);

@@ -14,7 +14,7 @@
 
 namespace viscobar {
 
-/// Columns of ends.csv, and of gauges.csv at a place.
+/// Columns of ends.csv, of gauges.csv at a place, and of joints.csv at a joint.
 enum class TraceColumn {
   u_left,
   v_left,
@@ -25,13 +25,20 @@ enum class TraceColumn {
   u_at,
   v_at,
   strain_at,
-  stress_at
+  stress_at,
+  u_left_of,
+  u_right_of,
+  force_of
 };
 /// Those of ends.csv, in the order of the enumeration.
 inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,        TraceColumn::v_left,
                                                     TraceColumn::reaction_left, TraceColumn::u_right,
                                                     TraceColumn::v_right,       TraceColumn::reaction_right};
-/// In the header: "u_left", "strain@0.25".
+/// True if it is of a joint, whose number is its place.
+inline bool is_of_joint(TraceColumn column) { return column >= TraceColumn::u_left_of; }
+/// True if it is of a gauge.
+inline bool is_of_gauge(TraceColumn column) { return column >= TraceColumn::u_at && !is_of_joint(column); }
+/// In the header: "u_left", "strain@0.25", "force:1".
 std::string name(TraceColumn column, double place = 0.0);
 /// The column of that name, and its place; absent: there is none.
 std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view name);
@@ -42,7 +49,7 @@ struct MeasuredTrace {
   std::vector<double> values;                ///< K
   double deviation = 1.0;                    ///< standard deviation of its noise, or what weighs it against others, > 0
   bool assumed = false;                      ///< nobody gave that deviation: noise may be larger
-  double place = 0.0;                        ///< x of a column of gauges.csv, 0 <= x <= L
+  double place = 0.0;                        ///< x of a column of gauges.csv, 0 <= x <= L; number of a joint
 };
 
 /// A parameter that a fit looks for.

@@ -1,0 +1,128 @@
+// The part of a derivative that is that of bars in line.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "dynamics/derivative.hpp"
+#include "dynamics/pieces.hpp"
+
+namespace viscobar {
+
+void Derivative::take_chain(const Direction& direction) {
+  const BarSystem& bar = system_.bar();
+  const std::vector<Piece> pieces = pieces_of(direction.data, bar.mesh());
+  std::vector<double> elastic(bar.mesh().elements, 0.0), viscous(elastic);
+  const auto inertia_of = [&](const Piece& piece) {
+    const Bar& rates = direction.members[static_cast<std::size_t>(&piece - pieces.data())].bar;
+    SymmetricTridiagonal inertia = inertia_matrix(piece.mesh, bar.mass(), false, false, piece.section.get());
+    return inertia *= rates.density + piece.bar.density * rates.length / piece.bar.length;
+  };
+  SymmetricTridiagonal inertia = assembled(pieces, inertia_of);
+  const auto change = [&](double rate, double of) { relative_change_ += std::abs(rate) / of; };
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const Piece& piece = pieces[p];
+    const Member& rates = direction.members[p];
+    const double mass = bar.bar().density * bar.bar().length, spring = bar.bar().modulus / bar.bar().length;
+    if (piece.rigid()) {
+      inertia.diagonal[piece.first] += rates.mass;
+      change(rates.mass, piece.mass);
+    } else {
+      const double stretched = rates.bar.length / piece.bar.length;
+      for (std::size_t e = 0; e < piece.mesh.elements; ++e) {
+        elastic[piece.first + e] = (rates.bar.modulus - piece.bar.modulus * stretched) / piece.stretch(e);
+        viscous[piece.first + e] = (rates.bar.viscosity - piece.bar.viscosity * stretched) / piece.stretch(e);
+      }
+      change(rates.bar.density, piece.bar.density), change(rates.bar.modulus, piece.bar.modulus);
+      change(rates.bar.viscosity, std::sqrt(mass * spring) * bar.bar().length), change(stretched, 1.0);
+    }
+    if (p + 1 == pieces.size() || direction.data.chain[p].joint.kind != JointKind::spring) continue;
+    elastic[piece.last()] = rates.joint.stiffness, viscous[piece.last()] = rates.joint.damping;
+    change(rates.joint.stiffness, direction.data.chain[p].joint.stiffness);
+    change(rates.joint.damping, std::sqrt(mass * spring));
+  }
+  const std::array held = {inertia.end_row(false), inertia.end_row(true)};
+  const UnitStiffness stiffness(bar, [&](std::size_t e) { return elastic[e]; });
+  const UnitStiffness viscosity(bar, [&](std::size_t e) { return viscous[e]; });
+  chain_ = ChainRates{restrict_to(inertia, bar.first_node(), bar.size()),
+                      held,
+                      std::move(elastic),
+                      std::move(viscous),
+                      stiffness,
+                      viscosity};
+  product_.resize(bar.size());
+  find_start(direction, pieces);
+}
+
+// A velocity that enters by its moments, (rho M) w = int rho phi_i u_1, has the derivative of both.
+void Derivative::find_start(const Direction& direction, std::span<const Piece> pieces) {
+  const BarSystem& bar = system_.bar();
+  const State& initial = bar.initial_state();
+  Scene start = direction.data;
+  start.left_input = start.right_input = {};
+  bool changes = false, by_moments = false;
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const Piece& piece = pieces[p];
+    const Member& rates = direction.members[p];
+    const double growth = piece.rigid() ? rates.mass / piece.mass
+                                        : rates.bar.density / piece.bar.density + rates.bar.length / piece.bar.length;
+    start.chain[p].velocity = [growth, own = rates.velocity](double x) {
+      return growth == 0.0 ? 0.0 : growth * own(x);
+    };
+    changes |= growth != 0.0;
+    for (std::size_t j = p > 0 && pieces[p - 1].last() == piece.first ? 1 : 0; j < piece.mesh.nodes() && rates.velocity;
+         ++j)
+      if (const std::size_t i = piece.first + j - bar.first_node(); i < initial.v.size())
+        by_moments |= initial.v[i] != rates.velocity(piece.mesh.node(j));
+  }
+  if (!changes || !by_moments) return;
+  const BarSystem without_masses(start, bar.mesh(), bar.mass());
+  chain_->inertia.multiply(initial.v, product_);
+  without_masses.accelerate(product_);
+  start_ = without_masses.initial_state().v;
+  for (std::size_t i = 0; i < product_.size(); ++i) start_[i] -= product_[i];
+}
+
+State Derivative::initial_state() const {
+  State state = data_.initial_state();
+  for (std::size_t i = 0; i < start_.size(); ++i) state.v[i] += start_[i];
+  return state;
+}
+
+void Derivative::multiply_chain_inertia(std::span<const double> x, std::span<double> out) const {
+  chain_->inertia.multiply(x, out);
+  for (const Mount& mount : mounts_) out[mount.unknown] += mount.mass * x[mount.unknown];
+}
+
+// m'/m of BarSystem::contact_mass, 1/m = d.(rho M)^{-1} d: m d.(rho M)^{-1} (rho M)' (rho M)^{-1} d.
+double Derivative::mass_growth(const Contact& contact) const {
+  std::vector<double> gained(added_.size()), lost(added_.size());
+  gained[contact.unknown] = 1.0;
+  if (contact.joint > 0) gained[contact.unknown - 1] = -1.0;
+  system_.bar().accelerate(gained);
+  multiply_chain_inertia(gained, lost);
+  system_.bar().accelerate(lost);
+  return contact.of(lost) / contact.of(gained);
+}
+
+std::vector<double> Derivative::joint_forces(const Moment& at, std::span<const double> s,
+                                             std::span<const double> rate) {
+  std::vector<double> forces;
+  const BarSystem& bar = system_.bar();
+  for (const JointNodes& joint : bar.joints()) {
+    const std::size_t element = joint.node - 1;
+    const auto apart = [&](auto&& of) { return of(joint.node) - of(element); };
+    if (!joint.contact) {
+      forces.push_back(-joint.stiffness * apart(data_.displacement_at_nodes(s)) -
+                       joint.damping * apart(data_.at_nodes(rate)) -
+                       elastic_of(element) * apart(bar.displacement_at_nodes(at.u)) -
+                       viscous_of(element) * apart(bar.at_nodes(at.w)));
+      continue;
+    }
+    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+      if (system_.contact(i).joint == joint.number) forces.push_back(reaction(i, at, s, rate));
+  }
+  return forces;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,237 @@
+// Derivatives of chains by keys of their bars and joints against differences of runs, and what is made of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dynamics/gauge.hpp"
+#include "viscobar/case/case.hpp"
+#include "viscobar/input/scene_file.hpp"
+#include "viscobar/studies/fit/fit.hpp"
+
+namespace viscobar {
+namespace {
+
+using Settings = std::vector<std::string>;
+
+// All numbers of a run that have a derivative, or their derivatives.
+struct Told {
+  std::vector<double> values;
+  std::size_t changes = 0;
+  std::optional<double> lost;
+};
+
+Told told_by(const Case& run, bool derivatives) {
+  Told told;
+  std::vector<double>& all = told.values;
+  Observers observers;
+  if (derivatives) observers.directions = run.directions;
+  observers.account = observers.energy = true;
+  const auto add = [&](const auto& at) {
+    all.insert(all.end(), at.u.begin(), at.u.end());
+    all.insert(all.end(), at.v.begin(), at.v.end());
+    all.push_back(at.reaction_left), all.push_back(at.reaction_right);
+    all.insert(all.end(), at.joint_forces.begin(), at.joint_forces.end());
+  };
+  observers.snapshot = [&](const Snapshot& at) { derivatives ? add(at.sensitivities[0]) : add(at); };
+  std::vector<double> times;
+  observers.event = [&](const Event& event) {
+    ++told.changes;
+    times.push_back(derivatives ? event.sensitivities[0].time : event.time);
+    times.push_back(derivatives ? event.sensitivities[0].velocity : event.velocity);
+  };
+  const Statistics done = simulate(resolve(run), observers);
+  all.insert(all.end(), times.begin(), times.end());
+  if (derivatives) {
+    const SensitivityAccount& account = *done.sensitivity;
+    told.lost = account.lost;
+    all.insert(all.end(), {account.impulse_left[0], account.impulse_right[0], account.energy[0]});
+  } else {
+    all.insert(all.end(), {done.account->left.impulse, done.account->right.impulse, done.energy->final});
+  }
+  return told;
+}
+
+// Derivatives by differences of fourth order: with steps of d the value's size they are wrong by some d^4 of it, and by
+// what a run is wrong by over d.
+void expect_derivatives(const std::string& text, const std::string& key, double value, Settings settings) {
+  const Case start = parse_scene(text, "", settings).run;
+  const auto at = [&](double now, bool derivatives) {
+    Settings all = settings;
+    all.push_back(fmt::format("{}={:.17g}", key, now));
+    if (derivatives) all.push_back(fmt::format("sensitivity.of=[\"{}\"]", key));
+    Case run = parse_scene(text, "", all).run;
+    run.elements = start.elements, run.bar_elements = start.bar_elements;  // bars share them by their numbers
+    return told_by(run, derivatives);
+  };
+  constexpr double tolerance = 1e-10, share = 2e-3;
+  const double d = share * std::abs(value);
+  const Told own = at(value, true);
+  const std::array told = {at(value - 2.0 * d, false), at(value - d, false), at(value + d, false),
+                           at(value + 2.0 * d, false)};
+  ASSERT_FALSE(own.lost) << key;
+  for (const Told& one : told) ASSERT_EQ(one.values.size(), own.values.size()) << key << ": other contacts";
+  double largest = 0.0, worst = 0.0;
+  std::vector<double> by_differences;
+  for (std::size_t k = 0; k < own.values.size(); ++k) {
+    by_differences.push_back((8.0 * (told[2].values[k] - told[1].values[k]) - told[3].values[k] + told[0].values[k]) /
+                             (12.0 * d));
+    largest = std::max(largest, std::abs(by_differences.back()));
+    worst = std::max(worst, std::abs(by_differences.back() - own.values[k]));
+  }
+  // 100 tolerances of the derivative, of a run over d, and the fifth derivative of waves, (T / transit)^5 at most.
+  EXPECT_GT(largest, 0.0) << key;
+  EXPECT_LT(worst / largest, 100.0 * tolerance * (1.0 + 1.0 / share) + 1e3 * std::pow(share, 4)) << settings[0] << key;
+}
+
+// A ram on a cushion; a stepped pair with a bonded joint, which two unlike bars meet that come with other speeds.
+const std::string unlike =
+    "[[bar]]\nmass = 0.5\nvelocity = 1.0\n[[bar]]\nlength = 0.6\nviscosity = 0.08\nvelocity = \"1.0+0.2*x\"\n"
+    "[[bar]]\nlength = 0.5\ndensity = 1.7\nmodulus = 2.5\nviscosity = 0.12\nsection = 1.3\n"
+    "[[bar]]\nlength = 0.8\ndensity = 0.8\nmodulus = 1.4\nviscosity = 0.1\nvelocity = -0.4\n"
+    "[[joint]]\nkind = \"spring\"\nstiffness = 4.0\ndamping = 0.3\n[[joint]]\nkind = \"contact\"\ngap = 0.08\n"
+    "[[joint]]\nkind = \"bonded\"\n[initial]\nvelocity = \"-0.3*x\"\n[right]\nkind = \"obstacle\"\ngap = 0.3\nside = "
+    "\"above\"\n[time]\nend = 1.6\n[output]\nevery = 0.2\n[mesh]\nelements = 36\n[contact]\nepsilon = 1e-2\n"
+    "restitution = 0.3\n[method]\nrelative_tolerance = 1e-10\n";
+
+const std::map<std::string, double> keys = {
+    {"bar.1.mass", 0.5},    {"bar.2.density", 1.0},   {"bar.2.modulus", 1.0},   {"bar.2.viscosity", 0.08},
+    {"bar.3.density", 1.7}, {"bar.3.modulus", 2.5},   {"bar.4.viscosity", 0.1}, {"bar.4.density", 0.8},
+    {"bar.2.length", 0.6},  {"bar.3.length", 0.5},    {"joint.1.stiffness", 4}, {"joint.1.damping", 0.3},
+    {"joint.2.gap", 0.08},  {"contact.epsilon", 1e-2}};
+
+TEST(ChainSensitivities, AreThoseOfDifferencesThroughSoftContacts) {
+  for (const char* method : {"cvode", "arkode", "ida"})
+    for (const auto& [key, value] : keys)
+      if (method[0] == 'c' || key == "bar.3.modulus" || key == "joint.2.gap")
+        expect_derivatives(unlike, key, value, {fmt::format("method.name={}", method), "time.end=2", "right.gap=0.02"});
+}
+
+TEST(ChainSensitivities, AreThoseOfDifferencesThroughImpacts) {
+  for (const auto& [key, value] : keys)
+    if (key != "contact.epsilon")
+      expect_derivatives(unlike, key, value,
+                         {"method.name=rigid", "contact.restitution=0", "time.end=3", "right.gap=0.02"});
+  for (const char* key : {"bar.2.density", "bar.3.density", "joint.2.gap", "contact.restitution"})
+    expect_derivatives(unlike, key, std::string(key) == "contact.restitution" ? 0.4 : keys.at(key),
+                       {"method.name=rigid", "contact.restitution=0.4", "time.end=0.066"});
+}
+
+TEST(ChainSensitivities, OfParametersOfFormulas) {
+  const std::string text = unlike + "[parameters]\nspeed = 1.0\n";
+  for (const char* method : {"cvode", "rigid"})
+    expect_derivatives(text, "parameters.speed", 1.0,
+                       {fmt::format("method.name={}", method), "bar.1.velocity=speed", "bar.2.velocity=speed*(1+0.2*x)",
+                        "initial.velocity=-0.3*speed*x", "contact.restitution=0"});
+}
+
+TEST(ChainSensitivities, RefuseWhatHasNoneAndSayWhy) {
+  const auto complaint = [](const std::string& key, Settings settings) {
+    settings.push_back("sensitivity.of=[\"" + key + "\"]");
+    try {
+      (void)parse_scene(unlike, "", settings);
+    } catch (const SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(complaint("bar.2.length", {"load.density=1.0"}).find("load and side are of x along all bars"),
+            std::string::npos);
+  EXPECT_NE(complaint("bar.3.section", {}).find("the section depends on it"), std::string::npos);
+  EXPECT_NE(complaint("bar.modulus", {}).find("bar.1.length"), std::string::npos);
+  EXPECT_NE(complaint("joint.3.gap", {}).find("no sensitivity"), std::string::npos);
+  EXPECT_NE(complaint("bar.2.modulus", {"method.name=exponential"}).find("rigid"), std::string::npos);
+}
+
+// The Hopkinson test of examples/scenes, whose gauges are the data.
+struct Gauged {
+  std::vector<double> times;
+  std::array<std::vector<double>, 2> strain;
+};
+
+Gauged gauged(Case run, double every) {
+  run.output_every = every;
+  const Setup setup = resolve(run);
+  const std::vector<Gauge> gauges = make_gauges(run.gauges, setup.mesh, run.scene);
+  Gauged found;
+  Observers observers;
+  observers.snapshot = [&](const Snapshot& at) {
+    found.times.push_back(at.time);
+    for (std::size_t k = 0; k < 2; ++k) found.strain[k].push_back(gauges[k](at.u, at.v).strain);
+  };
+  (void)simulate(setup, observers);
+  return found;
+}
+
+const std::string hopkinson = std::string(VISCOBAR_SOURCE_DIR) + "/examples/scenes/hopkinson.toml";
+
+// Without noise the fit ends where the data came from, to what its own steps leave: a thousandth of a deviation of 1 %.
+TEST(Hopkinson, AFitGivesModulusAndViscosityOfTheSpecimenBack) {
+  const Settings coarse = {"mesh.elements=200", "time.end=3.5"};
+  const Gauged data = gauged(read_scene(hopkinson, coarse).run, 0.02);
+  FitStudy study;
+  study.times = data.times;
+  for (std::size_t k = 0; k < 2; ++k)
+    study.traces.push_back({TraceColumn::strain_at, data.strain[k], 0.005, true, k == 0 ? 1.5 : 2.6});
+  study.parameters = {{"bar.3.modulus", 0.4, 0.01, 10.0}, {"bar.3.viscosity", 0.001, 0.0, 1.0}};
+  const Case start = read_scene(hopkinson, coarse).run;
+  study.model = [&](std::span<const double> values) {
+    Settings settings = coarse;
+    settings.push_back(fmt::format("bar.3.modulus={:.17g}", values[0]));
+    settings.push_back(fmt::format("bar.3.viscosity={:.17g}", values[1]));
+    settings.push_back("sensitivity.of=[\"bar.3.modulus\", \"bar.3.viscosity\"]");
+    Case run = read_scene(hopkinson, settings).run;
+    run.elements = start.elements, run.bar_elements = start.bar_elements;
+    return run;
+  };
+  const FitResult result = fit(study);
+  EXPECT_TRUE(result.converged) << result.reason;
+  EXPECT_NEAR(result.parameters[0].estimate, 0.2, 1e-3 * 0.2);
+  EXPECT_NEAR(result.parameters[1].estimate, 0.004, 1e-2 * 0.004);
+}
+
+// A wave loses its edge on the way x to a gauge, by sigma^2 = eta x / (rho c^3), so that the strain is wrong by sigma^2
+// N' / (2 l); N' is E times the rate where the specimen gives way. Its faces' mean stress is wrong by rho l^2 / 12 of
+// the second derivative, over its time (1 + 2 eta / (l Z)) l Z / (2 E) of loading; and stress of the bars is not E e
+// alone. The pulse lasts 1, to which the specimen is l / c_s long.
+TEST(Hopkinson, ThreeWavesTellModulusAndViscosityOfTheSpecimen) {
+  for (const double viscosity : {1e-3, 1e-4}) {
+    Settings settings = {"mesh.elements=800", "bar.3.elements=16", "time.end=4.5"};
+    for (const int bar : {1, 2, 4}) settings.push_back(fmt::format("bar.{}.viscosity={}", bar, viscosity));
+    const Gauged data = gauged(read_scene(hopkinson, settings).run, 0.005);
+    const std::filesystem::path file = std::filesystem::temp_directory_path() / "viscobar-hopkinson-gauges.csv";
+    std::ofstream stream(file);
+    stream << "t,strain@1.5,strain@2.6\n";
+    for (std::size_t k = 0; k < data.times.size(); ++k)
+      stream << fmt::format("{},{},{}\n", data.times[k], data.strain[0][k], data.strain[1][k]);
+    stream.close();
+    const std::string out = file.string() + ".txt";
+    if (std::system("python3 --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
+    ASSERT_EQ(std::system(fmt::format("python3 '{}/examples/python/hopkinson.py' '{}' >'{}'", VISCOBAR_SOURCE_DIR,
+                                      file.string(), out)
+                              .c_str()),
+              0);
+    std::ifstream answer(out);
+    std::string word;
+    double modulus = 0.0, damping = 0.0;
+    char comma = ' ';
+    answer >> word >> modulus >> comma >> word >> damping;
+    constexpr double l = 0.02, E = 0.2, eta = 0.004, loading = (1.0 + 2.0 * eta / l) * l / (2.0 * E);
+    const double blur = viscosity * 1.0 * E * E / (2.0 * l), inertia = l * l / 12.0 / loading, own = viscosity * E;
+    EXPECT_NEAR(damping, eta, 1.5 * blur + inertia + own) << viscosity;
+    EXPECT_NEAR(modulus, E, E * l / std::sqrt(E) / 1.0) << viscosity;
+    std::filesystem::remove(file);
+    std::filesystem::remove(out);
+  }
+}
+
+}  // namespace
+}  // namespace viscobar
