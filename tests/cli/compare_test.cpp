@@ -88,6 +88,12 @@ TEST_F(Compare, CountsTheContactsThatRunAndSweepCount) {
   }
 }
 
+TEST_F(Compare, AMotionThatOverflowsIsNoResult) {
+  const Ended ended = viscobar("compare " + scene("chatter") + " --methods rigid,cvode --set initial.velocity=1e300");
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_NE((ended.out + ended.error).find("no longer a number"), std::string::npos) << ended.out << ended.error;
+}
+
 TEST_F(Compare, TheFirstMethodAskedForIsTheReference) {
   const Ended ended = viscobar("compare " + scene("chatter") + " --methods ida,cvode --json -o out");
   ASSERT_EQ(ended.code, 0) << ended.error;

@@ -199,6 +199,7 @@ constexpr struct {
     {"cmake --build --preset release --target measure_", "take minutes"},
     {"build/release/tests/measure_", "take minutes"},
     {"python3 tests/measurements/random_scenes.py", "takes minutes, and SciPy"},
+    {"python3 tests/measurements/random_chains.py", "takes minutes, and SciPy"},
     {"time viscobar sweep", "takes minutes; with the same keys the chatter sweep of the page is run"},
     {"viscobar.run(", "Python.docs_test"},
     {"time={", "Python.docs_test"},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "case/regime.hpp"
 #include "input/described_scene.hpp"
 #include "laws/scene.hpp"
 #include "report/scene_check.hpp"
@@ -133,6 +134,17 @@ TEST(Law, OfHuntAndCrossleyMayBeGivenByARestitution) {
       lone_mass("mass = 1\ncontact = { law = \"hunt_crossley\", stiffness = 7, restitution = 0.5, speed = 2 }\n", 2.0,
                 3.0, "cvode"));
   EXPECT_NEAR(run.events.at(1).velocity, 1.0, 1e-8);
+}
+
+// m = 1 at speed 1: lambda = a of the table above; e = 1 / a where hardly anything is left.
+TEST(Law, OfHuntAndCrossleyIsForetoldAlsoWhereItDampsStrongly) {
+  const Bar light{1.0, 1e-9, 1.0, 0.0};
+  for (const auto& [e, a] :
+       {std::array{0.9, 0.16648195069}, {0.5, 1.4327505333}, {0.1, 9.9981593975}, {1e-9, 1e9}, {1e-12, 1e12}})
+    EXPECT_NEAR(forecast(light, 1.0, {Law::hunt_crossley, 7.0, a}, 1.0).restitution, e, 1e-3 * e) << a;
+  // The two ways meet.
+  EXPECT_NEAR(forecast(light, 1.0, {Law::hunt_crossley, 7.0, 0.00101}, 1.0).restitution,
+              forecast(light, 1.0, {Law::hunt_crossley, 7.0, 0.00099}, 1.0).restitution, 2e-4);
 }
 
 TEST(Law, IsInTheDescriptionThatMakesTheSameScene) {

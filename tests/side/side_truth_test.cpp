@@ -46,6 +46,45 @@ TEST(Side, ModeOfAFixedBarDecaysAtAQuarterAndHasTheFrequency2_3248InEveryMethodA
   }
 }
 
+// A free elastic bar with springs k = 20 beyond x = a: cos(w x) before, a cosh(q (1 - x)) behind, q^2 = k - w^2, and w
+// tan(w a) = q tanh(q (1 - a)). The nodes do not know where the springs begin; means over phi_i do, with an error of
+// order two.
+TEST(Side, SpringsThatBeginWithinAnElementHaveOrderTwo) {
+  const double a = 0.537, k = 20.0;
+  double low = 0.0, high = std::numbers::pi / (2.0 * a);
+  for (int i = 0; i < 200; ++i) {
+    const double w = 0.5 * (low + high), q = std::sqrt(k - w * w);
+    (w * std::tan(w * a) < q * std::tanh(q * (1.0 - a)) ? low : high) = w;
+  }
+  const double w = low, q = std::sqrt(k - w * w), share = std::cos(w * a) / std::cosh(q * (1.0 - a));
+  const auto exact = [=](double x, double t) {
+    return std::cos(w * t) * (x < a ? std::cos(w * x) : share * std::cosh(q * (1.0 - x)));
+  };
+  for (const char* mass : {"fourth_order", "consistent", "lumped"})
+    for (const int n : {20, 40, 80, 160}) {
+      const Recording run = run_of(fmt::format(
+          "[bar]\nlength = 1\n[side]\nstiffness = \"x<{0} ? 0 : {1}\"\n[initial]\ndisplacement = \"x<{0} ? cos({2}*x) : "
+          "{3}*cosh({4}*(1-x))\"\n{5}",
+          a, k, w, share, q, numerics(n, mass, "rigid", 4.0)));
+      EXPECT_LT(error(run, exact), 10.0 / (n * n)) << mass << n;
+    }
+}
+
+// Springs that stand between two nodes are there: 20 per area in all, which would be 0 by values at the nodes.
+TEST(Side, SpringsBetweenTwoNodesAreThere) {
+  const auto narrow = [](int n) {
+    return run_of(
+        fmt::format("[bar]\nlength = 1\nviscosity = 0.05\n[side]\nstiffness = \"x>0.51 && x<0.53 ? 1000 : "
+                    "0\"\n[initial]\nvelocity = 1\n[time]\nend = 3\n[mesh]\nelements = {}\n",
+                    n));
+  };
+  const Recording fine = narrow(640);
+  for (const int n : {20, 40}) {
+    const Recording run = narrow(n);
+    EXPECT_NEAR(run.displacement(run.times.size() - 1)[0], fine.displacement(fine.times.size() - 1)[0], 20.0 / (n * n));
+  }
+}
+
 // The order of the mass says 2e-9 for 64 elements: |lambda - lambda_h| is 4e-9 on 40, in rows made apart.
 TEST(Side, ModeOfAnElasticOrViscousBarIsRightToEightDigitsOn64Elements) {
   struct Mode {
