@@ -30,6 +30,8 @@ inline std::optional<std::string> place_refusal(const std::optional<std::pair<Tr
 /// ends, and the forces of joints.
 class ColumnReader {
  public:
+  /// A column of ends.csv.
+  explicit ColumnReader(TraceColumn column) : column_(column) {}
   /// `scene` has the material at a gauge.
   ColumnReader(TraceColumn column, double place, const BarSystem& system, const Scene& scene) : column_(column) {
     if (is_of_gauge(column)) gauge_.emplace(system.mesh(), scene, place);
@@ -53,7 +55,8 @@ class ColumnReader {
       case TraceColumn::stress_at: return (*gauge_)(at.u, at.v).stress;
       case TraceColumn::u_left_of: return at.u[node_ - 1];
       case TraceColumn::u_right_of: return at.u[node_];
-      case TraceColumn::force_of: return at.joint_forces[joint_];
+      case TraceColumn::force_of:
+        if constexpr (requires { at.joint_forces; }) return at.joint_forces[joint_];
     }
     return 0.0;
   }

@@ -40,9 +40,10 @@ TheirSolution solution(const SceneFile& scene, std::size_t elements, double visc
   for (const double part : {0.25, 0.5, 0.75})
     for (const char* of : {"u", "v"})
       if (energy) names.push_back(fmt::format("{}@{}", of, part * bar.length));
+  const BarSystem system = resolve(run).system();
   for (const std::string& name : names) {
     const auto [column, place] = *trace_column(name);
-    const ColumnReader read(column, place, run.mesh(), bar);
+    const ColumnReader read(column, place, system, run.scene);
     Column& of = theirs.columns.emplace_back(Column{name, {}});
     for (std::size_t k = 0; k < made.times.size(); ++k) {
       const struct {

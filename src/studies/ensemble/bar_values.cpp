@@ -52,7 +52,7 @@ void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, co
           double* to) {
   using Kind = EnsembleOutput::Kind;
   if (output.kind == Kind::trace) {
-    to[k] = ColumnReader(output.column, 0.0, layout.mesh, bar)(at);
+    to[k] = ColumnReader(output.column)(at);
   } else if (output.kind == Kind::gauge) {
     Mesh mesh = layout.mesh;
     mesh.length = bar.length;
