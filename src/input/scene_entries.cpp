@@ -1,11 +1,11 @@
 #include "input/scene_entries.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <tuple>
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
-#include "input/of_thread.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/unit_names.hpp"
@@ -100,16 +100,18 @@ std::string unknown_key(std::string_view table, std::string_view leaf) {
 
 SceneEntries::SceneEntries(const std::string& text, const std::string& source) : end_{source, {}} { add_text(text); }
 
-// The text of a sweep's scene is read again and again.
-const SceneEntries& SceneEntries::of_text(const std::string& text, const std::string& source) {
-  static const OfThread<std::optional<std::pair<std::string, SceneEntries>>> own;
-  auto& last = *own;
-  if (!last || last->first != text || last->second.end_.source != source) last = {text, SceneEntries(text, source)};
-  return last->second;
+// The text of a sweep's scene is read once for all of its threads.
+std::shared_ptr<const SceneEntries> SceneEntries::of_text(const std::string& text, const std::string& source) {
+  static std::mutex mutex;
+  static std::pair<std::string, std::shared_ptr<const SceneEntries>> last;
+  const std::lock_guard lock(mutex);
+  if (!last.second || last.first != text || last.second->end_.source != source)
+    last = {text, std::shared_ptr<const SceneEntries>(new SceneEntries(text, source))};
+  return last.second;
 }
 
 SceneEntries::SceneEntries(const std::string& text, const std::string& source, std::span<const Setting> settings)
-    : SceneEntries(of_text(text, source)) {
+    : SceneEntries(*of_text(text, source)) {
   for (const Setting& setting : settings)
     if (const auto* override_text = std::get_if<std::string>(&setting))
       add_override(*override_text);

@@ -92,7 +92,7 @@ class SceneEntries {
   SceneEntries(const std::string& text, const std::string& source);
   // Only of entries whose values are not in force yet: those point into them.
   SceneEntries(const SceneEntries&) = default;
-  static const SceneEntries& of_text(const std::string& text, const std::string& source);
+  static std::shared_ptr<const SceneEntries> of_text(const std::string& text, const std::string& source);
   void add_text(const std::string& text);
   void add_override(const std::string& text);
   void lay_over(const std::string& name, TomlValue value, TextPosition key_at, TextPosition value_at);

@@ -165,7 +165,8 @@ constexpr Page pages[] = {{"README.md", "readme", 6, 6},
                           {"docs/sweep.md", "sweep", 1},
                           {"docs/sensitivity.md", "sensitivity", 1},
                           {"docs/solutions-of-others.md", "solutions_of_others", 10},
-                          {"docs/fit.md", "fit", 2}};
+                          {"docs/fit.md", "fit", 2},
+                          {"docs/bars-in-line.md", "bars_in_line", 2}};
 
 INSTANTIATE_TEST_SUITE_P(OfEachPage, Docs, testing::ValuesIn(pages),
                          [](const auto& page) { return std::string(page.param.name); });

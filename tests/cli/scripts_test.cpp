@@ -20,7 +20,8 @@ class ReadSweep : public testing_cli::Command {
     std::ifstream rows(directory_ / "out/sweep.csv");
     std::string header;
     std::getline(rows, header);
-    const auto place = std::count(header.begin(), header.begin() + static_cast<long>(header.find(",max_penetration")), ',');
+    const auto place =
+        std::count(header.begin(), header.begin() + static_cast<long>(header.find(",max_penetration")), ',');
     for (std::string row; std::getline(rows, row);) {
       if (row.find('"') != row.npos) continue;  // of a case that was refused
       std::istringstream cells(row);

@@ -318,7 +318,7 @@ class Chain:
             raise Undecided
         changes += [(0.0, self.contacts[c][4], "closing", rates[c]) for c in closed]
         if self.restitution > 0:
-            for c in touching:
+            for c in (c for c in touching if rates[c] < 0):
                 changes += [(0.0, self.contacts[c][4], "closing", rates[c]), (0.0, self.contacts[c][4], "opening", self.rates(y)[c])]
         return closed, y
 

@@ -170,7 +170,7 @@ TEST(Judge, SaysWhatIsWrongWithASolution) {
   const std::vector<double> two = {0.0, 1.0};
   EXPECT_NE(refused({"a", {0.0, 5.0}, {{"u_left", two}}, {}}).find("the scene ends at 4"), std::string::npos);
   EXPECT_NE(refused({"a", two, {{"w_left", two}}, {}}).find("w_left: no column"), std::string::npos);
-  EXPECT_NE(refused({"a", two, {{"u@1.5", two}}, {}}).find("not on the bar"), std::string::npos);
+  EXPECT_NE(refused({"a", two, {{"u@1.5", two}}, {}}).find("no place of the bar"), std::string::npos);
   EXPECT_NE(refused({"a", {1.0, 1.0}, {{"u_left", two}}, {}}).find("twice"), std::string::npos);
   EXPECT_NE(refused({"a", two, {}, {}}).find("no column"), std::string::npos);
 }

@@ -141,9 +141,9 @@ struct EndInput {
 ///
 ///     rho u_tt = (E u_x + eta u_xt)_x + f - k u - c u_t.
 struct SideResistance {
-  SpaceFunction stiffness{};  ///< k >= 0, a stress per area of the side; empty: none
-  SpaceFunction drag{};       ///< c >= 0; empty: none
-  Places stiffness_places{}, drag_places{};
+  SpaceFunction stiffness{};                              ///< k >= 0, a stress per area of the side; empty: none
+  SpaceFunction drag{};                                   ///< c >= 0; empty: none
+  Places stiffness_places{} /**< of k */, drag_places{};  ///< of c
 };
 
 /// How a member of a chain hangs together with the next.

@@ -220,7 +220,8 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
                                              first.mesh.elements));
       take_nodes(recording, first.mesh);
     }
-    if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : ""; !tables.empty())
+    if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : "";
+        !tables.empty())
       finished.remarks.push_back(
           fmt::format("The scenes of {} and {} differ in {}", directories[0], directories[k], tables));
     if (!whole) forget_the_rest(recording);

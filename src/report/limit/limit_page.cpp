@@ -272,7 +272,9 @@ PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, cons
   if (result.orders.size() > 1)
     page.add_section("Penalty and mesh in balance",
                      fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),
-                                 coupling.coupling ? html(table_of(coupling_columns(), coupling.coupling->meshes, readable_number, 0)) : ""));
+                                 coupling.coupling
+                                     ? html(table_of(coupling_columns(), coupling.coupling->meshes, readable_number, 0))
+                                     : ""));
   page.add_section("Every run", html(limit_table(result, readable_number)));
   return page.with_figures();
 }

@@ -78,8 +78,7 @@ void for_each_advice(const PrecisionResult& result, NumberText number, auto&& te
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
   Json json;
   json["title"] = study.scene.scene.title;
-  json["completed"] =
-      std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
+  json["completed"] = std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
   json["norm"] = norm(result);
   json["reference"] = to_json(result);
   json["epsilon"] = study.scene.epsilon;

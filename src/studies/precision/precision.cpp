@@ -92,19 +92,20 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
 }
 
 PrecisionResult precision_of(const PrecisionStudy& study) {
-  Case scene = accuracy::on_its_mesh(study.scene);
-  const std::vector<std::size_t> counts =
-      study.elements.empty() ? std::vector<std::size_t>{scene.elements} : study.elements;
-  std::vector<Mesh> meshes;
-  for (const std::size_t count : counts) {
-    for (const std::size_t own : scene.bar_elements)
-      if (count * own % scene.elements != 0)
-        throw std::invalid_argument(
-            fmt::format("mesh.elements: {} do not refine all bars by one factor; take multiples of {}", count,
-                        std::accumulate(scene.bar_elements.begin(), scene.bar_elements.end(), scene.elements,
-                                        [&](std::size_t sum, std::size_t one) { return std::gcd(sum, one); })));
-    meshes.push_back(mesh_of(scene, count));
+  Case scene = study.scene;
+  std::vector<std::size_t> counts = study.elements.empty() ? std::vector<std::size_t>{scene.elements} : study.elements;
+  if (!scene.scene.chain.empty()) {  // all bars are refined by one factor
+    const std::size_t fewest = scene.elements = std::ranges::min(counts);
+    scene = accuracy::on_its_mesh(scene);
+    for (std::size_t& count : counts) {
+      if (count % fewest != 0)
+        throw std::invalid_argument(fmt::format(
+            "mesh.elements: {} is no multiple of {}, and bars in line are refined by one factor", count, fewest));
+      count = count / fewest * scene.elements;
+    }
   }
+  std::vector<Mesh> meshes;
+  for (const std::size_t count : counts) meshes.push_back(mesh_of(scene, count));
   scene.output_every = error_times(scene, meshes);
 
   PrecisionResult result;
