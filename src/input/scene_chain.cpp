@@ -71,7 +71,9 @@ NextBreak joined(const std::vector<Part>& parts, NextBreak Places::*which, bool 
       const double from = std::max(after, part.begin), to = std::min(until, part.begin + part.length);
       const NextBreak& breaks = part.places.*which;
       if (!breaks || !(from < to)) continue;
-      if (const auto next = breaks(from - part.shift, to - part.shift)) return *next + part.shift;
+      // The place that was told last may be another one by the rounding of the shift.
+      for (auto next = breaks(from - part.shift, to - part.shift); next; next = breaks(*next, to - part.shift))
+        if (*next + part.shift > after) return *next + part.shift;
     }
     return std::nullopt;
   };

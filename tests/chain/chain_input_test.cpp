@@ -140,6 +140,29 @@ TEST(ChainCheckpoint, GoesOnWithTheSameBits) {
 }
 
 // Random chains: rigid contacts and stiff penalties of restitution 0 agree, energy and momentum are kept.
+// Places of a bar that begins at x are told at x and more, and rounding must not tell one again: who walks them would
+// never end.
+TEST(ChainInput, PlacesRiseWhateverTheLengths) {
+  std::size_t places = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double a = 0.5 + 0.0137 * k, b = 1.3 - 0.0029 * k;
+    const Case run = parse_scene(fmt::format("[[bar]]\nlength = {0}\nvelocity = 0.0\n[[bar]]\nlength = {1}\nvelocity = "
+                                             "\"-(0.6+sin(3.141592653589793*x/{1})^4)\"\n[[joint]]\nkind = "
+                                             "\"contact\"\n[time]\nend = 1.0\n",
+                                             a, b),
+                                 "")
+                         .run;
+    for (const NextBreak& next : {run.scene.velocity_places.breaks, run.scene.velocity_places.detail}) {
+      double before = 0.0;
+      for (auto at = next(0.0, a + b); at; at = next(*at, a + b), ++places) {
+        ASSERT_GT(*at, before) << k;
+        before = *at;
+      }
+    }
+  }
+  EXPECT_GE(places, 300U);
+}
+
 TEST(RandomChains, AgreeByMethods) {
   std::mt19937 random(44);
   const auto uniform = [&](double low, double high) {
