@@ -166,10 +166,6 @@ AutomaticMethod automatic_method(const Case& run) {
         meshed, fmt::format("automatic chose {}, which has the errors of a mesh, and not characteristics: {}",
                             name(meshed), why)};
   };
-  if (std::ranges::count_if(scene.chain, [](const Member& m) { return !m.rigid(); }) > 3)
-    return meshed_because(
-        "the waves of more than three bars in line part into more and more pieces, which may take minutes; it is there "
-        "by name");
   try {
     if (const auto time = roughens(scene, run.end))
       return meshed_because(fmt::format(
