@@ -245,6 +245,41 @@ TEST(Fit, RefusesContactTimesWhereNothingCanTouch) {
   }
 }
 
+// Samples of a velocity that jumps: beside them the derivatives know one side of a valley, steep, whose other side is
+// flat.
+TEST(Fit, HasDeviationsThatCoverTheTruthBesideAJump) {
+  const double truth = 0.2118;
+  const auto thrown = [](std::span<const double> values) {
+    Case run = bar(values, {"left.gap"});
+    run.scene.bar.viscosity = 0.4;
+    run.scene.velocity = [](double x) { return -1.0 + 0.5 * std::sin(3.0 * x); };
+    run.end = 1.5, run.output_every = 0.0116;
+    run.directions = {direction(run, "left.gap")};
+    return run;
+  };
+  const Recording made = record(thrown(std::vector{truth}));
+  std::size_t converged = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    FitStudy study;
+    study.model = thrown;
+    study.times = made.times;
+    MeasuredTrace trace;
+    trace.column = TraceColumn::v_left;
+    trace.deviation = 0.01;
+    std::mt19937 random(seed);
+    std::normal_distribution<double> error(0.0, trace.deviation);
+    for (std::size_t k = 0; k < made.times.size(); ++k)
+      trace.values.push_back(made.velocity(k).front() + error(random));
+    study.traces.push_back(trace);
+    study.parameters.push_back({"left.gap", 0.98 * truth, 1e-6, 1e6});
+    const FitResult found = fit(study);
+    if (!found.converged) continue;  // it says that no derivative tells the gap
+    ++converged;
+    EXPECT_NEAR(found.parameters[0].estimate, truth, 4.0 * found.parameters[0].standard_deviation) << seed;
+  }
+  EXPECT_GE(converged, 8U);
+}
+
 // A slice of measure_fits.
 TEST(RandomFits, FindTheTruthOrSayThatTheyDidNot) {
   // Those that no number of starts was needed for, and those whose data have many valleys.
