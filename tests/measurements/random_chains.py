@@ -4,16 +4,15 @@ whose motion between two contact changes is a matrix exponential.
 python3 tests/measurements/random_chains.py PROGRAM [KIND ...] [--count 200] [--seed 1] [--jobs 2] [--show]
 
 KIND is penalised (contacts that are springs: cvode, ida, arkode, odeint, exponential), laws (hertz and hunt_crossley as well, by
-the first four, against SciPy's DOP853, events but for their times), rigid, or scheme ((2.8) with the step T/4000,
-which is told in units of the step times the largest acceleration of its last hundredth). A row tells how many chains, contact
-changes and runs there were, and the largest difference, with its method and seed, of displacements and velocities of the ends,
-displacements at joints, forces at joints and ends, impulses and balance of energy. The unit is what docs/methods.md promises,
-100 times rtol max|v| + atol, both tolerances 1e-9, times what the chain magnifies a change of its start by; of forces it is that times the
-largest stiffness. A chain is set aside where it magnifies by more than 30, or where a contact changes slower than 0.02, at another
-change, or by a force that hardly changes: there roundings decide.
+the first four, against SciPy's DOP853; no times of changes), rigid, or scheme ((2.8) with the step T/4000). A row tells how many
+chains, contact changes and runs there were. Then the largest difference, with its method and seed, of displacements and velocities
+of the ends, displacements at joints, forces, impulses, times of changes, and balance of energy.
+
+The unit is the promise of docs/methods.md, 100 times rtol max|v| + atol, both tolerances 1e-9, times what the chain magnifies a
+change of its start by. Of forces it is that times the largest stiffness; of the scheme it is the step times the largest stiffness.
+A chain is set aside where roundings decide: it magnifies by more than 30; a contact changes slower than 0.02, together with another,
+or by a force that hardly changes.
 """
-import argparse
-import concurrent.futures
 import csv
 import itertools
 import json
@@ -24,6 +23,8 @@ import tempfile
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+
+import random_table
 
 TOLERANCE = 1e-9
 METHODS = {"penalised": ("cvode", "ida", "arkode", "odeint", "exponential"), "laws": ("cvode", "ida", "arkode", "odeint"),
@@ -556,7 +557,8 @@ def compare(chain, directory, times, truth, impulses, changes):
                 forces.append(told - [-joint["stiffness"] * apart @ u - joint["damping"] * apart @ v for u, v, _ in truth[1:]])
             else:
                 forces.append(told - [row[2][names[f"joint:{k + 1}"]] for row in truth[1:]])
-    found["forces"] = max((np.max(np.abs(one)) for one in forces), default=0.0) / force_unit
+    if tell_force:
+        found["forces"] = max((np.max(np.abs(one)) for one in forces), default=0.0) / force_unit
     with open(os.path.join(directory, "summary.json")) as file:
         summary = json.load(file)
     sign = {name: -1 if name == "right" else 1 for name in names}
@@ -571,41 +573,15 @@ def compare(chain, directory, times, truth, impulses, changes):
     return found
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("kinds", nargs="*", metavar="KIND")
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--show", action="store_true", help="print the scene of the first seed, and its differences")
-    options = parser.parse_args()
-    program = os.path.abspath(options.program)
-    if options.show:
-        chain = Chain(options.kinds[0], options.seed)
-        print(chain.text(METHODS[chain.kind][0]))
-        try:
-            for change in chain.solve()[3]:
-                print("#", *change)
-        except Undecided:
-            print("# set aside")
-        print("#", judge((program, options.kinds[0], options.seed)))
-        return
-    columns = ("ends", "joints", "forces", "impulses", "events", "energy")
-    print(f"| kind | chains | set aside | contact changes | runs | {' | '.join(columns)} |\n|---|---|---|---|---|{'---|' * len(columns)}")
-    for kind in options.kinds or METHODS:
-        with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
-            results = list(pool.map(judge, [(program, kind, options.seed + k) for k in range(options.count)]))
-        kept = [r for r in results if "aside" not in r]
-        cells = [kind, len(kept), len(results) - len(kept), sum(r["changes"] for r in kept), sum(r["runs"] for r in kept)]
-        for key in columns:
-            worst = max(((*r["worst"][key], r["seed"]) for r in kept if key in r["worst"]), default=None)
-            cells.append(f"{worst[0]:.2g} ({worst[1]}, {worst[2]})" if worst else "-")
-        print(f"| {' | '.join(map(str, cells))} |", flush=True)
-        for r in kept:
-            for failure in r["failures"]:
-                print(f"seed {r['seed']}: {failure}", flush=True)
+def show(kind, seed):
+    chain = Chain(kind, seed)
+    print(chain.text(METHODS[kind][0]))
+    try:
+        for change in chain.solve()[3]:
+            print("#", *change)
+    except Undecided:
+        print("# set aside")
 
 
 if __name__ == "__main__":
-    main()
+    random_table.run(__doc__, METHODS, ("ends", "joints", "forces", "impulses", "events", "energy"), 200, judge, show)

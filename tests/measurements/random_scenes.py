@@ -9,8 +9,6 @@ The unit is 100 times rtol max|v| + atol, which docs/methods.md promises, both t
 change of its start by; of forces it is (E + eta)/h and the stiffness of contacts times that. A scene is set aside where that is
 above 30, or a contact change is slower than 0.02.
 """
-import argparse
-import concurrent.futures
 import csv
 import json
 import os
@@ -19,6 +17,7 @@ import tempfile
 
 import numpy as np
 
+import random_table
 from nodal_bar import NodalBar
 
 TOLERANCE = 1e-9
@@ -263,35 +262,10 @@ def compare(scene, directory, times, truth, impulses):
     return found
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("kinds", nargs="*", metavar="KIND")
-    parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--show", action="store_true", help="print the scene of the first seed, and its differences")
-    options = parser.parse_args()
-    program = os.path.abspath(options.program)
-    if options.show:
-        scene = Scene(options.kinds[0], options.seed)
-        print(scene.text(methods_of(scene)[0], os.getcwd()))
-        print(judge((program, options.kinds[0], options.seed)))
-        return
-    print("| kind | scenes | set aside | contact changes | runs | traces | reactions | gauges | impulses | energy |\n|---|---|---|---|---|---|---|---|---|---|")
-    for kind in options.kinds or KINDS:
-        with concurrent.futures.ProcessPoolExecutor(options.jobs) as pool:
-            results = list(pool.map(judge, [(program, kind, options.seed + k) for k in range(options.count)]))
-        kept = [r for r in results if "aside" not in r]
-        cells = [kind, len(kept), len(results) - len(kept), sum(r["changes"] for r in kept), sum(r["runs"] for r in kept)]
-        for key in ("traces", "reactions", "gauges", "impulses", "energy"):
-            worst = max(((*r["worst"][key], r["seed"]) for r in kept if key in r["worst"]), default=None)
-            cells.append(f"{worst[0]:.2g} ({worst[1]}, {worst[2]})" if worst else "-")
-        print(f"| {' | '.join(map(str, cells))} |", flush=True)
-        for r in kept:
-            for failure in r["failures"]:
-                print(f"seed {r['seed']}: {failure}", flush=True)
+def show(kind, seed):
+    scene = Scene(kind, seed)
+    print(scene.text(methods_of(scene)[0], os.getcwd()))
 
 
 if __name__ == "__main__":
-    main()
+    random_table.run(__doc__, KINDS, ("traces", "reactions", "gauges", "impulses", "energy"), 300, judge, show)
