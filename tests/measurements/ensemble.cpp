@@ -47,10 +47,11 @@ Timed timed(EnsembleStudy study, std::size_t bars) {
   return run;
 }
 
-Timed alone(const TextEnsemble& made, const std::string& method, std::size_t bars) {
+// By a method of its own, once: no estimate.
+Timed by(const TextEnsemble& made, const std::string& method, std::size_t bars, bool lanes = false) {
   const TextEnsemble other = by_method(made, method);
   EnsembleStudy study = other.study();
-  study.lanes = false;
+  study.lanes = lanes;
   return timed(study, bars);
 }
 
@@ -97,13 +98,14 @@ double by_odeint(const TextEnsemble& made, double error, std::size_t bars) {
          });
 }
 
-// Bars a second and core: of the ensemble; of a loop over the library's (2.8) with as many steps, and over rigid at a
-// tenth of the error, each with what the ensemble tells; of the cases of a sweep by rigid, without their files; and of
-// Boost.Odeint at a tenth of the error.
+// Bars a second and core: of the ensemble, with estimates; of (2.8) in lanes with as many steps, once; of a loop over
+// the library's (2.8) with as many steps, and over rigid at a tenth of the error, each with what the ensemble tells; of
+// the cases of a sweep by rigid, without their files; and of Boost.Odeint at a tenth of the error. The first ratio is
+// of both by (2.8), the others are to the ensemble.
 void speed(std::size_t only_elements, double only_end) {
   fmt::print(
-      "| J | T | error | ensemble | in lanes | steps, median | (2.8) | ratio | rigid | ratio | sweep | ratio | odeint | "
-      "ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| J | T | error | ensemble | in lanes | steps, median | lanes once | (2.8) | ratio | rigid | ratio | sweep | ratio "
+      "| odeint | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double end : {2.0, 6.0})
     for (const std::size_t elements : {10, 16, 24, 32, 50})
       for (const double error : {1e-2, 1e-3, 1e-4, 1e-6}) {
@@ -115,9 +117,8 @@ void speed(std::size_t only_elements, double only_end) {
         const Timed mine = timed(study, bars);
         const double steps = median(mine.result.steps);
         const auto lanes = static_cast<double>(std::ranges::count(mine.result.ways, BarWay::lanes));
-        const double scheme =
-            alone(made, fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / steps), few)
-                .rate;
+        const std::string scheme =
+            fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / steps);
         const std::string rigid = fmt::format("name=\"rigid\"\nrelative_tolerance={}\n", error / 10.0);
         const std::string swept = by_method(made, rigid).scene;
         const double sweep = static_cast<double>(few) / seconds_of([&] {
@@ -129,12 +130,15 @@ void speed(std::size_t only_elements, double only_end) {
                                }
                              });
         const bool by_scheme = lanes > 0.5 * static_cast<double>(bars);
-        const auto ratio = [&](double other, bool known = true) {
-          return known ? fmt::format("{:.0f} | {:.1f}", other, mine.rate / other) : std::string("| ");
-        };
+        const auto ratio = [&](double other) { return fmt::format("{:.0f} | {:.1f}", other, mine.rate / other); };
+        std::string of_scheme = "| | ";
+        if (by_scheme) {
+          const double once = by(made, scheme, bars, true).rate, loop = by(made, scheme, few).rate;
+          of_scheme = fmt::format("{:.0f} | {:.0f} | {:.1f}", once, loop, once / loop);
+        }
         fmt::print("| {} | {} | {:.0e} | {:.0f} | {:.2f} | {} | {} | {} | {} | {} |\n", elements, end, error, mine.rate,
-                   lanes / static_cast<double>(bars), steps, ratio(scheme, by_scheme),
-                   ratio(alone(made, rigid, few).rate), ratio(sweep), ratio(by_odeint(made, error, fewest)));
+                   lanes / static_cast<double>(bars), steps, of_scheme, ratio(by(made, rigid, few).rate), ratio(sweep),
+                   ratio(by_odeint(made, error, fewest)));
         std::fflush(stdout);
       }
 }
