@@ -133,7 +133,7 @@ std::string positive_number(const std::string& text) {
 }
 
 std::string number_of_elements(const std::string& text) {
-  const Range range = find_scene_key("mesh.elements")->range;
+  const KeyRange range = find_scene_key("mesh.elements")->range;
   const bool whole = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
   // Not by stod, which throws where the digits are more than a double reaches.
   const double value = whole ? std::strtod(text.c_str(), nullptr) : 0.0;

@@ -24,8 +24,8 @@ using enum Presence;
 
 // Squares and products of three stay finite and normal within these bounds.
 constexpr double smallest = 1e-100, largest = 1e100;
-constexpr Range positive{smallest, largest, "> 0"};
-constexpr Range not_negative{0.0, largest, ">= 0"};
+constexpr KeyRange positive{smallest, largest, "> 0"};
+constexpr KeyRange not_negative{0.0, largest, ">= 0"};
 
 // clang-format off
 constexpr Choice steppers[] = {
@@ -242,7 +242,7 @@ void add_end_keys(std::string_view end, std::vector<SceneKey>& keys) {
   for (const EndKind& kind : end_kinds)
     for (const EndNumber& of_end : kind.numbers) {
       const std::string meaning = fmt::format("{}; {} needs it, no other end has one", of_end.meaning, kind.in_words);
-      const Range range{of_end.low, of_end.high, of_end.range};
+      const KeyRange range{of_end.low, of_end.high, of_end.range};
       keys.push_back({key(of_end.key), formula, optional, "", "0.1", of_end.unit, kept(meaning), range, {}, "t"});
     }
   for (SceneKey row : end_rows) {

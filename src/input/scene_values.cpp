@@ -54,7 +54,7 @@ std::optional<double> number_of(const TomlValue& value) {
 
 namespace {
 
-std::string range_problem(const Range& range, double value) {
+std::string range_problem(const KeyRange& range, double value) {
   if (!std::isfinite(value)) return fmt::format("must be finite, is {}", value);
   if (value < range.low) {
     if (range.low == 0.0) return fmt::format("must not be negative, is {}", value);

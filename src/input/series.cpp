@@ -206,7 +206,7 @@ std::uint64_t Series::checksum() const {
 
 namespace {
 
-struct Table {
+struct SeriesTable {
   const SceneTable& entries;
 
   const SceneTable::mapped_type* find(std::string_view name) const {
@@ -244,7 +244,7 @@ double ratio(const TraceFile::Column& column, const std::string& name, const std
   return *ratio;
 }
 
-std::pair<std::vector<double>, std::vector<double>> measured(const Table& table, const SeriesRequest& request) {
+std::pair<std::vector<double>, std::vector<double>> measured(const SeriesTable& table, const SeriesRequest& request) {
   const std::string name(1, request.variable);
   const auto* file = table.get<std::string>("file", "a string");
   const auto* column = table.get<std::string>("column", "a string");
@@ -268,7 +268,7 @@ std::pair<std::vector<double>, std::vector<double>> measured(const Table& table,
   return all;
 }
 
-std::pair<std::vector<double>, std::vector<double>> given(const Table& table, const SeriesRequest& request) {
+std::pair<std::vector<double>, std::vector<double>> given(const SeriesTable& table, const SeriesRequest& request) {
   const auto* places = table.get<std::vector<double>>(std::string(1, request.variable), "an array of numbers here");
   const auto* values = table.get<std::vector<double>>("values", "an array of numbers");
   if (!places || !values)
@@ -286,7 +286,7 @@ std::pair<std::vector<double>, std::vector<double>> given(const Table& table, co
 }
 
 std::shared_ptr<const Series> read_series(const SceneTable& entries, const SeriesRequest& request) {
-  const Table table{entries};
+  const SeriesTable table{entries};
   const std::string variable(1, request.variable);
   std::vector<std::string> known = {"file",          "column", variable,  "values",
                                     "interpolation", "scale",  "outside", "checksum"};

@@ -29,7 +29,7 @@ std::string archived(const Numbers&... numbers) {
   return archive.take();
 }
 
-std::string content(const fs::path& file) {
+std::string archive_content(const fs::path& file) {
   if (!fs::is_regular_file(fs::symlink_status(file))) throw ArchiveError("is no regular file");
   return file_content(file);
 }
@@ -105,7 +105,7 @@ FoundCheckpoint read_checkpoint(const fs::path& directory, CheckFiles check) {
     const fs::path file = directory / name;
     if (!fs::exists(file)) continue;
     try {
-      RunCheckpoint checkpoint = decoded(content(file));
+      RunCheckpoint checkpoint = decoded(archive_content(file));
       // To begin anew would take the place of what is still sound in files that were changed.
       if (!checkpoint.motion && files_changed) continue;
       if (check == CheckFiles::yes && checkpoint.motion) checkpoint.files.check(directory);

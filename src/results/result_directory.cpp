@@ -55,19 +55,19 @@ fs::file_type type(const fs::path& file) {
   return fs::symlink_status(file, error).type();
 }
 
-std::string content(const fs::path& file) {
+std::string regular_content(const fs::path& file) {
   if (type(file) != fs::file_type::regular) return {};
   return file_content(file);
 }
 
 bool has_result(const fs::path& directory, const Files& files) {
-  const std::string text = content(directory / files.summary);
+  const std::string text = regular_content(directory / files.summary);
   const auto held = [&](std::string_view word) { return text.find(word) != text.npos; };
   return files.table ? std::ranges::any_of(files.words, held) : std::ranges::all_of(files.words, held);
 }
 
 bool completed(const fs::path& summary) {
-  const auto json = nlohmann::json::parse(content(summary), nullptr, false);
+  const auto json = nlohmann::json::parse(regular_content(summary), nullptr, false);
   return json.is_object() && json.value("completed", nlohmann::json()) == true;
 }
 
@@ -176,7 +176,7 @@ void take_places(const fs::path& directory) {
       fs::remove(from / "figures");
     }
     // Files of the earlier result that the later run did not write.
-    const FileChecksums written = files_of(content(from / ResultDirectory::final_summary));
+    const FileChecksums written = files_of(regular_content(from / ResultDirectory::final_summary));
     for (const std::string_view name : files_of_kind(ResultKind::run).others)
       if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
           type(directory / name) == fs::file_type::regular)
@@ -233,7 +233,7 @@ void check_run_files(const fs::path& place, const FileChecksums& written) {
 
 void ResultDirectory::replace_by_finished() const {
   // A file that is missing later has been moved already; one that is missing now has been removed by somebody.
-  check_run_files(unfinished_, files_of(content(unfinished_ / final_summary)));
+  check_run_files(unfinished_, files_of(regular_content(unfinished_ / final_summary)));
   move_file(unfinished_, directory_ / finished);
   try {
     take_places(directory_);
