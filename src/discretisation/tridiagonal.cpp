@@ -1,8 +1,9 @@
 #include "viscobar/discretisation/tridiagonal.hpp"
 
-#include <Eigen/Dense>
 #include <cassert>
 #include <stdexcept>
+
+#include "discretisation/dense.hpp"
 
 namespace viscobar {
 
@@ -251,12 +252,12 @@ void add_one_sided(const SymmetricTridiagonal& matrix, std::vector<double>& inve
   Eigen::MatrixXd small(size, size);
   for (std::size_t r = 0; r < count; ++r)
     for (std::size_t c = 0; c < count; ++c) small(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = s(r, c);
-  const Eigen::MatrixXd inverse = small.inverse();
+  const Eigen::MatrixXd inverted = inverse(small);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t c = 0; c < count; ++c)
       for (std::size_t r = 0; r < count; ++r)
         inverse_diagonal[i] -=
-            columns[c][i] * inverse(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r)) * rows[r][i];
+            columns[c][i] * inverted(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r)) * rows[r][i];
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "integration/bernstein.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "discretisation/dense.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar {
@@ -41,8 +41,8 @@ const OfSamples& coefficients_of_samples(std::size_t degree) {
           values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
               binomial(q, j) * std::pow(s, static_cast<double>(j)) * std::pow(1.0 - s, static_cast<double>(q - j));
       }
-      const Eigen::MatrixXd inverse = values.inverse();
-      for (Eigen::Index j = 0; j < size; ++j) list[q][static_cast<std::size_t>(j)].head(size) = inverse.col(j);
+      const Eigen::MatrixXd of_samples = inverse(values);
+      for (Eigen::Index j = 0; j < size; ++j) list[q][static_cast<std::size_t>(j)].head(size) = of_samples.col(j);
     }
     return list;
   }();

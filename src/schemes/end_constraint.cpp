@@ -1,9 +1,10 @@
 #include "schemes/end_constraint.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "discretisation/dense.hpp"
 
 namespace viscobar {
 
@@ -43,7 +44,7 @@ void EndConstraint::solve_many(std::span<double> x, std::span<const double> boun
       for (std::size_t l = 0; l < count; ++l)
         compliance(index(k), index(l)) = active_[l] ? columns_[k].of(columns_[l].values) : 0.0;
     }
-    lambda = compliance.partialPivLu().solve(right);
+    lambda = solution(compliance, right);
     bool changed = false;
     for (std::size_t k = 0; k < count && pivots < 50 * count; ++k) {
       double clear = std::isinf(bound[k]) ? 1.0 : excess[index(k)];

@@ -1,9 +1,9 @@
 #include "integration/radau/step_powers.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
+#include "discretisation/dense.hpp"
 #include "discretisation/gauss.hpp"
 
 namespace viscobar::radau {
@@ -38,7 +38,7 @@ struct Rule {
       const auto p = legendre(nodes[static_cast<std::size_t>(i)]);
       for (Eigen::Index n = 0; n < count; ++n) values(i, n) = p[static_cast<std::size_t>(n)];
     }
-    to_coefficients = values.inverse();
+    to_coefficients = inverse(values);
   }
 };
 

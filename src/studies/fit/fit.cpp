@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "discretisation/dense.hpp"
 #include "studies/fit/search.hpp"
 #include "text/number.hpp"
 
@@ -172,16 +172,14 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   if (free.empty()) return lower;
   const auto count = std::ssize(free);
   const Eigen::MatrixXd scaled = misfit.jacobian(Eigen::all, free) * scale(free).asDiagonal();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> factors(scaled, Eigen::ComputeFullV);
-  Eigen::VectorXd values = Eigen::VectorXd::Zero(count);
-  values.head(factors.singularValues().size()) = factors.singularValues();
+  const auto [values, directions] = singular_values(scaled);
   // Smaller singular values are below rounding: their directions leave the model as it is.
   const double least = std::max(1e-8 * values(0), 1e-6);
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
   std::vector<bool> known(size, true);
   for (Eigen::Index j = 0; j < count; ++j) {
     result.singular_values.push_back(values(j));
-    const Eigen::VectorXd direction = factors.matrixV().col(j);
+    const Eigen::VectorXd direction = directions.col(j);
     if (values(j) > least) {
       inverse += direction * direction.transpose() / (values(j) * values(j));
       continue;
@@ -252,8 +250,8 @@ void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minim
 
 // Standard deviations of the parameters, as far as S is quadratic.
 Eigen::VectorXd deviations(const Misfit& misfit) {
-  const Eigen::MatrixXd inverse = (misfit.jacobian.transpose() * misfit.jacobian).inverse();
-  return (misfit.variance(inverse.rows()) * inverse.diagonal()).cwiseSqrt();
+  const Eigen::MatrixXd covariance = inverse(misfit.jacobian.transpose() * misfit.jacobian);
+  return (misfit.variance(covariance.rows()) * covariance.diagonal()).cwiseSqrt();
 }
 
 // So many times as large or small as where it begins a parameter is looked for.

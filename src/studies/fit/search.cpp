@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "discretisation/dense.hpp"
 #include "studies/column_reader.hpp"
 
 namespace viscobar::fitting {
@@ -244,11 +244,9 @@ Eigen::MatrixXd Search::axes_of_deviations(const Eigen::VectorXd& values) {
   const Misfit misfit = at(values, Compared::integrals);
   if (!misfit.sound) return Eigen::MatrixXd::Zero(n_, n_);
   const Eigen::VectorXd size = values.cwiseAbs();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> factors(misfit.jacobian * size.asDiagonal(), Eigen::ComputeFullV);
-  Eigen::VectorXd lengths = Eigen::VectorXd::Ones(n_);
-  for (Eigen::Index k = 0; k < factors.singularValues().size(); ++k)
-    lengths(k) /= std::max(1.0, factors.singularValues()(k));
-  return size.asDiagonal() * factors.matrixV() * lengths.asDiagonal();
+  const auto [values_of, directions] = singular_values(misfit.jacobian * size.asDiagonal());
+  const Eigen::VectorXd lengths = values_of.cwiseMax(1.0).cwiseInverse();
+  return size.asDiagonal() * directions * lengths.asDiagonal();
 }
 
 Minimum Search::minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs) {
@@ -317,7 +315,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
     scale = scale.cwiseMax(least);
     Eigen::MatrixXd damped = normal;
     damped.diagonal() += damping * scale;
-    const Eigen::VectorXd step = damped.ldlt().solve(-slope);
+    const Eigen::VectorXd step = definite_solution(damped, -slope);
     Eigen::VectorXd next = now.at;
     for (std::size_t j = 0; j < free.size(); ++j)
       next(free[j]) = limited(free[j], now.at(free[j]), now.at(free[j]) + step(j));
