@@ -123,7 +123,7 @@ Action limit_command(CLI::App& command) {
       ->capture_default_str();
   add(command, "--mass", "NAME", asked->mass, "The mass matrix, in place of the scene's");
   add(command, "--elements", "N,N...", asked->elements,
-      "Meshes, in place of the scene's, or FIRST:LAST, doubled: also the bar's own motion; three or more give epsilon(h)");
+      "Meshes, in place of the scene's, or FIRST:LAST, doubled; three or more: also the bar's own motion, and epsilon(h)");
   add_list(command, "--steps", "DT,DT...", study.steps,
            "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
       ->check(positive_number);

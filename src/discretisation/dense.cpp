@@ -8,8 +8,6 @@ namespace viscobar {
 
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a) { return a.inverse(); }
 
-Eigen::VectorXd solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.partialPivLu().solve(b); }
-
 Eigen::VectorXd definite_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return a.ldlt().solve(b); }
 
 SingularValues singular_values(const Eigen::MatrixXd& a) {

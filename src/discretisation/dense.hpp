@@ -10,9 +10,6 @@ namespace viscobar {
 /// a^-1, by elimination with partial pivoting.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);
 
-/// x of a x = b, likewise.
-Eigen::VectorXd solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
-
 /// x of a x = b, where a is symmetric and positive definite but for rounding.
 Eigen::VectorXd definite_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "discretisation/dense.hpp"
-
 namespace viscobar {
 
 EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries)
@@ -17,6 +15,14 @@ EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vect
     factor_.solve(column);
     columns_.push_back({at, std::move(column)});
   }
+  const std::size_t count = columns_.size();
+  if (count <= 2) return;
+  for (const Column& row : columns_)
+    for (const Column& column : columns_) compliance_.push_back(row.of(column.values));
+  rows_.resize(count * count);
+  lambda_.resize(count);
+  excess_.resize(count);
+  held_.reserve(count);
 }
 
 // On its bound bitwise.
@@ -25,46 +31,73 @@ void EndConstraint::put_on(const Column& column, double bound, std::span<double>
   x[entry] = joint ? x[entry - 1] + bound : sign * bound;
 }
 
+// Multipliers of the entries held: their rows of the compliance, eliminated with partial pivoting.
+void EndConstraint::solve_held() {
+  const std::size_t count = columns_.size(), held = held_.size();
+  for (std::size_t i = 0; i < held; ++i) {
+    for (std::size_t j = 0; j < held; ++j) rows_[i * count + j] = compliance_[held_[i] * count + held_[j]];
+    lambda_[i] = -excess_[held_[i]];
+  }
+  const auto row = [&](std::size_t i) { return &rows_[i * count]; };
+  for (std::size_t k = 0; k < held; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < held; ++i)
+      if (std::abs(row(i)[k]) > std::abs(row(pivot)[k])) pivot = i;
+    std::swap_ranges(row(k) + k, row(k) + held, row(pivot) + k);
+    std::swap(lambda_[k], lambda_[pivot]);
+    for (std::size_t i = k + 1; i < held; ++i) {
+      const double factor = row(i)[k] / row(k)[k];
+      if (factor == 0.0) continue;
+      for (std::size_t j = k + 1; j < held; ++j) row(i)[j] -= factor * row(k)[j];
+      lambda_[i] -= factor * lambda_[k];
+    }
+  }
+  for (std::size_t k = held; k-- > 0;) {
+    for (std::size_t j = k + 1; j < held; ++j) lambda_[k] -= row(k)[j] * lambda_[j];
+    lambda_[k] /= row(k)[k];
+  }
+}
+
 // Begins with what lies beyond its bound; where many changes at once do not end, the first that is wrong alone, which
 // does.
 void EndConstraint::solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier) {
   const std::size_t count = columns_.size();
-  const auto index = [](std::size_t k) { return static_cast<Eigen::Index>(k); };
-  Eigen::VectorXd lambda(index(count)), excess(index(count));
   for (std::size_t k = 0; k < count; ++k) {
-    excess[index(k)] = columns_[k].of(x) - bound[k];
-    active_[k] = !std::isinf(bound[k]) && excess[index(k)] < 0.0;
+    excess_[k] = columns_[k].of(x) - bound[k];  // infinite without a bound
+    active_[k] = excess_[k] < 0.0;
   }
   for (std::size_t pivots = 0;; ++pivots) {
-    Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(index(count), index(count));
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(index(count));
-    for (std::size_t k = 0; k < count; ++k) {
-      if (!active_[k]) continue;
-      right[index(k)] = -excess[index(k)];
-      for (std::size_t l = 0; l < count; ++l)
-        compliance(index(k), index(l)) = active_[l] ? columns_[k].of(columns_[l].values) : 0.0;
-    }
-    lambda = solution(compliance, right);
+    held_.clear();
+    for (std::size_t k = 0; k < count; ++k)
+      if (active_[k]) held_.push_back(k);
+    solve_held();
     bool changed = false;
-    for (std::size_t k = 0; k < count && pivots < 50 * count; ++k) {
-      double clear = std::isinf(bound[k]) ? 1.0 : excess[index(k)];
-      for (std::size_t l = 0; l < count; ++l)
-        if (active_[l]) clear += lambda[index(l)] * columns_[k].of(columns_[l].values);
-      const bool wrong = active_[k] ? lambda[index(k)] < 0.0 : clear < 0.0;
+    for (std::size_t k = 0, i = 0; k < count && pivots < 50 * count; ++k) {
+      bool wrong;
+      if (active_[k]) {
+        wrong = lambda_[i++] < 0.0;
+      } else {
+        double clear = excess_[k];
+        for (std::size_t j = 0; j < held_.size(); ++j) clear += lambda_[j] * compliance_[k * count + held_[j]];
+        wrong = clear < 0.0;
+      }
       if (!wrong) continue;
-      active_[k] = active_[k] ? 0 : 1;
+      active_[k] ^= 1;
       changed = true;
       if (pivots >= count) break;
     }
     if (!changed) break;
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    multiplier[k] = active_[k] ? std::max(lambda[index(k)], 0.0) : 0.0;
-    if (active_[k])
-      for (std::size_t i = 0; i < x.size(); ++i) x[i] += lambda[index(k)] * columns_[k].values[i];
+  std::ranges::fill(multiplier, 0.0);
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const std::size_t k = held_[i];
+    multiplier[k] = std::max(lambda_[i], 0.0);
+    const double lambda = lambda_[i], *column = columns_[k].values.data();
+    double* const values = x.data();
+#pragma GCC ivdep
+    for (std::size_t j = 0; j < x.size(); ++j) values[j] += lambda * column[j];
   }
-  for (std::size_t k = 0; k < count; ++k)
-    if (active_[k]) put_on(columns_[k], bound[k], x);
+  for (const std::size_t k : held_) put_on(columns_[k], bound[k], x);
 }
 
 void EndConstraint::solve(std::span<double> x, std::span<const double> bound, std::span<double> multiplier) {

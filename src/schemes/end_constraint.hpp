@@ -46,11 +46,15 @@ class EndConstraint {
   };
 
   void put_on(const Column& column, double bound, std::span<double> x) const;
+  void solve_held();
   void solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
   TridiagonalFactor factor_;
   std::vector<Column> columns_;
   std::vector<unsigned char> active_;
+  // Of more than two: c_k A^{-1} c_l; those held, their rows of it, their multipliers; the excess of all.
+  std::vector<double> compliance_, rows_, lambda_, excess_;
+  std::vector<std::size_t> held_;
 };
 
 }  // namespace viscobar

@@ -22,7 +22,7 @@
 namespace viscobar {
 
 void members(Like<SweepRow> auto& row, auto&& each) {
-  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.chosen,
+  each(row.index, row.completed, row.error, std::span(row.values.data(), row.values.size()), row.joints, row.chosen,
        row.derivatives, row.seconds, row.integration_seconds);
 }
 void members(Like<SweepCase> auto& one, auto&& each) {

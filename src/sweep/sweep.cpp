@@ -42,6 +42,13 @@ const QuantityColumn of_quantities[] = {
     {"closings_span", "1", "contacts of nodes with the span obstacle"},
 };
 
+const QuantityColumn of_joints[joint_values] = {
+    {"closings", "1", "contacts at the joint"},
+    {"time_in_contact", "time", "time in contact there"},
+    {"impulse", "stress x time", "impulse of the force between its sides"},
+    {"max_reaction", "stress", "largest force"},
+};
+
 const QuantityColumn of_choice[chosen_values] = {
     {"chosen_elements", "1", "elements of the solution"},
     {"chosen_tolerance", "1", "its relative tolerance"},
@@ -74,6 +81,9 @@ std::vector<std::size_t> SweepPlan::choice(std::size_t index) const {
 
 std::vector<QuantityColumn> SweepPlan::columns() const {
   std::vector<QuantityColumn> all(std::begin(of_quantities), std::end(of_quantities));
+  for (std::size_t k = 1; k <= joints; ++k)
+    for (const QuantityColumn& column : of_joints)
+      all.push_back({fmt::format("{}_joint:{}", column.name, k), column.unit, column.meaning});
   if (accuracy) all.insert(all.end(), std::begin(of_choice), std::end(of_choice));
   for (const std::string& key : sensitivities)
     for (const std::string_view quantity : differentiated)
@@ -93,7 +103,7 @@ std::vector<Setting> SweepPlan::settings(std::size_t index) const {
 std::span<const QuantityColumn, quantities> quantity_columns() { return of_quantities; }
 double SweepRow::column(std::size_t k) const {
   for (const std::span<const double> list :
-       {std::span<const double>(values), std::span(chosen), std::span(derivatives)}) {
+       {std::span<const double>(values), std::span(joints), std::span(chosen), std::span(derivatives)}) {
     if (k < list.size()) return list[k];
     k -= list.size();
   }

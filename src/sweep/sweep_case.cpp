@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
 #include <new>
@@ -35,6 +37,15 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   };
   set_end(done.account->left, is_obstacle(scene.left), Quantity::u_left_final, Quantity::closings_left);
   set_end(done.account->right, is_obstacle(scene.right), Quantity::u_right_final, Quantity::closings_right);
+  for (std::size_t k = 0; joint_values * k < row.joints.size(); ++k) {
+    if (scene.chain[k].joint.kind != JointKind::contact) continue;
+    const auto& joints = done.account->joints;
+    const JointAccount joint = k < joints.size() ? joints[k] : JointAccount{};
+    const std::array<double, joint_values> values = {static_cast<double>(joint.closings),
+                                                     joint.contact.total(done.reached_time), joint.impulse,
+                                                     joint.peak_reaction};
+    std::ranges::copy(values, &row.joints[joint_values * k]);
+  }
   if (scene.span) set(Quantity::closings_span, done.account->span.closings);
 }
 
@@ -65,6 +76,7 @@ void add_sentence(std::string& text, const std::string& sentence) { text += (tex
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
                    accuracy::Probe* probe = nullptr, std::span<const double> times = {},
                    Statistics* statistics = nullptr) {
+  row.joints.assign(joint_values * (std::max<std::size_t>(run.scene.chain.size(), 1) - 1), none);
   const Setup setup = resolve(run);
   const BarSystem system = setup.system();
   std::size_t steps = 0, events = 0;

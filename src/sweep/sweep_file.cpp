@@ -225,6 +225,7 @@ SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file
 void heed_scene(SweepFile& sweep) {
   const SceneEntries entries(sweep.scene_text, sweep.scene_source, sweep.settings);
   sweep.plan.sensitivities = entries.list("sensitivity.of");
+  sweep.plan.joints = std::max<std::size_t>(entries.members("bar"), 1) - 1;
   // Workers do not know where the scene lies, and read its measured series as they are now.
   for (const SceneKey& key : scene_keys())
     if (entries.series(key.name))

@@ -187,6 +187,8 @@ std::vector<SweepRow> SweepTable::read() const {
     row.error.assign(from, strnlen(from, longest_error));
     from += longest_error;
     for (double& value : row.values) get(value);
+    row.joints.resize(joint_values * plan_.joints);
+    for (double& value : row.joints) get(value);
     row.chosen.resize(plan_.accuracy ? chosen_values : 0);
     for (double& value : row.chosen) get(value);
     row.derivatives.resize(plan_.sensitivities.size() * differentiated.size());

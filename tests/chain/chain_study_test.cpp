@@ -1,4 +1,4 @@
-// Studies of bars in line: error estimates, requests, precision, limit, and solutions of others.
+// Studies of bars in line: error estimates, requests, precision, limit, solutions of others, sweeps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,6 +15,7 @@
 #include "viscobar/studies/judge/judge.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 #include "viscobar/studies/precision/precision.hpp"
+#include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 namespace {
@@ -171,6 +172,30 @@ TEST(ChainJudge, JudgesColumnsOfEndsGaugesAndJoints) {
   EXPECT_NEAR(result.solutions[1].columns[3].largest, 1.0, 1e-3);
   study.solutions[0].columns[2].name = "force:2";
   EXPECT_THROW((void)judge(study), std::invalid_argument);  // bonded
+}
+
+// Of equal elastic bars the first one stops: N = Z v / 2 for 2 L/c, whose impulse is its momentum. A bonded joint has
+// no contact.
+TEST(ChainSweep, ARowHasTheContactsOfEachJoint) {
+  const std::string two =
+      "[[bar]]\nlength = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 0.4\nvelocity = 0.0\n[[bar]]\nlength = 0.6\n"
+      "velocity = 0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[[joint]]\nkind = \"bonded\"\n[time]\nend = 3.0\n";
+  SweepPlan plan{.keys = {{"joint.1.gap", std::vector<double>{0.05, 10.0}}}, .joints = 2};
+  const std::vector<QuantityColumn> columns = plan.columns();
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const SweepRow row = run_case(two, {.index = i, .settings = plan.settings(i)}).value();
+    ASSERT_TRUE(row.completed) << row.error;
+    const auto value = [&](const std::string& name) {
+      return row.column(
+          static_cast<std::size_t>(std::ranges::find(columns, name, &QuantityColumn::name) - columns.begin()));
+    };
+    const double closed = i == 0 ? 1.0 : 0.0;
+    EXPECT_EQ(value("closings_joint:1"), closed);
+    EXPECT_NEAR(value("time_in_contact_joint:1"), 2.0 * closed, 1e-12);
+    EXPECT_NEAR(value("impulse_joint:1"), closed, 1e-12);
+    EXPECT_NEAR(value("max_reaction_joint:1"), 0.5 * closed, 1e-12);
+    EXPECT_TRUE(std::isnan(value("closings_joint:2")));
+  }
 }
 
 }  // namespace

@@ -47,6 +47,13 @@ SCENES = {  # nothing touches; ten contact changes, and a load
     "driven": dict(gap=0.1, load="-0.2+sin(3*t)", mass="redistributed", end=10.0),
 }
 METHODS = ("cvode", "ida", "arkode", "fully_discrete")
+# The same length in one bar and in ten, bonded or pushing each other.
+BARS = {
+    "one bar": '[bar]\nlength = 1.0\nviscosity = 0.01\n[initial]\nvelocity = -1.0\n',
+    "ten, bonded": "[[bar]]\nlength = 0.1\nviscosity = 0.01\nvelocity = -1.0\n" * 10,
+    "ten, in contact": '[[joint]]\nkind = "contact"\ngap = 1e-3\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\nvelocity = -1.0\n"] * 10),
+}
+OF_BARS = SCENE[SCENE.index("[left]"):SCENE.index("[initial]")] + SCENE[SCENE.index("[load]"):]
 
 
 def count(job):
@@ -64,19 +71,24 @@ def count(job):
             return int(found[1]), json.load(file)["steps"]
 
 
+def scene_text(scene, elements, method, times):
+    if scene in SCENES:
+        keys = SCENES[scene]
+        return SCENE.format(**{**keys, "end": times * keys["end"], "elements": elements, "method": method})
+    return BARS[scene] + OF_BARS.format(gap=0.1, load="-0.2+sin(3*t)", end=3.0 * times, elements=elements, mass="fourth_order", method=method)
+
+
 def main():
     programs = [os.path.abspath(path) for path in sys.argv[1:3]]
     rows = [(scene, elements, method) for scene, all_elements in (("flight", (27, 200, 1000)), ("driven", (200,)))
             for elements in all_elements for method in METHODS]
+    rows += [(scene, 100, method) for scene in BARS for method in (*METHODS, "rigid")]
     jobs = []
     for program in programs:
         known = subprocess.run([program, "run", "--help"], capture_output=True, text=True).stdout
         options = ["--no-estimate", "--set", 'output.write=["ends"]'] if "--no-estimate" in known else []
         for scene, elements, method in rows:
-            keys = SCENES[scene]
-            for times in (1, 2):
-                text = SCENE.format(**{**keys, "end": times * keys["end"], "elements": elements, "method": method})
-                jobs.append((program, options, text))
+            jobs += [(program, options, scene_text(scene, elements, method, times)) for times in (1, 2)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = list(pool.map(count, jobs))
     pairs = [found[k:k + 2] for k in range(0, len(found), 2)]

@@ -48,11 +48,12 @@ struct SweepPlan {
   Combine combine = Combine::grid;           ///< how their values go together
   std::vector<std::string> sensitivities{};  ///< keys with respect to which a row has derivatives, too
   bool accuracy = false;                     ///< true if each case keeps an error, by settings of its own
+  std::size_t joints = 0;                    ///< of the scene's bars in line
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
-  /// The columns of numbers: the quantities; where an error is to be kept, elements, tolerance, step and epsilon of the
-  /// solution; then QUANTITY/KEY for each of `differentiated` and each key of `sensitivities`.
+  /// The columns of numbers: the quantities; those of each joint; where an error is to be kept, elements, tolerance,
+  /// step and epsilon of the solution; then QUANTITY/KEY for each of `differentiated` and each key of `sensitivities`.
   std::vector<QuantityColumn> columns() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   std::vector<Setting> settings(std::size_t index) const;    ///< the value of each key
@@ -93,6 +94,7 @@ enum class Quantity : std::size_t {
 inline constexpr std::size_t quantities = static_cast<std::size_t>(Quantity::count);  ///< their number
 
 inline constexpr std::size_t chosen_values = 4;  ///< of a row that is to keep an error
+inline constexpr std::size_t joint_values = 4;   ///< of each joint: closings, time in contact, impulse, largest force
 
 /// Name, unit and meaning of each quantity, in their order.
 std::span<const QuantityColumn, quantities> quantity_columns();
@@ -113,8 +115,9 @@ struct SweepRow {
     std::array<double, quantities> none{};
     none.fill(std::numeric_limits<double>::quiet_NaN());
     return none;
-  }();                           ///< NaN is what a table holds where the case has no such value
-  std::vector<double> chosen{};  ///< that make the columns behind the quantities; empty where no error is to be kept
+  }();                                ///< NaN is what a table holds where the case has no such value
+  std::vector<double> joints{};       ///< that make the columns behind the quantities; NaN of a joint without a contact
+  std::vector<double> chosen{};       ///< that make the next columns; empty where no error is to be kept
   std::vector<double> derivatives{};  ///< that make the last columns; empty: all NaN
   double seconds = 0.0;               ///< wall clock of the whole case
   double integration_seconds = 0.0;   ///< processor time of the method alone
