@@ -108,15 +108,16 @@ class SweepReader {
   // "table.key" may be one quoted name, or two with a dot, or a table of its own.
   void scene_key(const TomlNode& node, const std::string& before, bool varied) {
     const std::string name = before.empty() ? node.key : before + "." + node.key;
-    const std::size_t dot = name.find('.');
+    const std::string_view table = table_of(name);
     const SceneKey* key = find_scene_key(name);
-    if (!key && node.kind == TomlNode::Kind::table && (dot == name.npos || is_inner_table(name))) {
+    if (!key && node.kind == TomlNode::Kind::table &&
+        (table.empty() || is_member_table(name) || is_inner_table(name))) {
       for (const TomlNode& inside : node.inside) scene_key(inside, name, varied);
       return;
     }
     if (!key)
       return report(name, node.key_at,
-                    dot == name.npos ? unknown_key("", name) : unknown_key(name.substr(0, dot), name.substr(dot + 1)));
+                    table.empty() ? unknown_key("", name) : unknown_key(table, name.substr(table.size() + 1)));
     SceneKey named = *key;
     named.name = name;  // of a parameter its own
     const Diagnostic place{source_, node.value_at.line, node.value_at.column, name, ""};

@@ -66,6 +66,20 @@ TEST_F(SweepFileTest, TakesNamesQuotedDottedOrInATableAlike) {
   }
 }
 
+TEST_F(SweepFileTest, TakesKeysOfBarsInLineAndTheirJointsAlike) {
+  const std::string head = "scene = \"scene.toml\"\n";
+  for (const std::string text : {"[set]\n\"bar.2.density\" = 2.0\n[vary]\n\"joint.1.gap\" = [1, 2.5]\n",
+                                 "[set]\nbar.2.density = 2.0\n[vary]\njoint.1.gap = [1, 2.5]\n",
+                                 "[set.bar.2]\ndensity = 2.0\n[vary.joint.1]\ngap = [1, 2.5]\n"}) {
+    const SweepFile sweep = read(head + text);
+    ASSERT_EQ(sweep.plan.keys.size(), 1u) << text;
+    EXPECT_EQ(sweep.plan.keys[0].key, "joint.1.gap");
+    EXPECT_EQ(sweep.settings, (std::vector<Setting>{std::pair(std::string("bar.2.density"), SceneValue(2.0))}));
+  }
+  EXPECT_EQ(faults(head + "[vary]\njoint.1.gapp = [1, 2.5]\n"),
+            (std::vector<std::string>{"3:9: joint.1.gapp: unknown key; nearest is \"gap\""}));
+}
+
 TEST_F(SweepFileTest, KeepsTheOrderOfTheFile) {
   const SweepFile sweep =
       read("scene = \"scene.toml\"\n[vary]\ntime.end = [1]\nbar.length = [1]\nmesh.mass = [\"paper\"]\n");
