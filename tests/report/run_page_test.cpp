@@ -240,6 +240,19 @@ TEST(Report, SaysWhereThePeakOfAnImpactHasNoLimit) {
   EXPECT_TRUE(page(scene).has("peak reaction"));
 }
 
+// Equal elastic bars: N = Z v / 2 = 0.5 for 2 L/c = 2 from t = 0.05 on, whose impulse is the momentum of the first.
+TEST(Report, HasForcesAndContactsOfJointsAndAStripABar) {
+  const std::string bar = "[[bar]]\nlength = 1.0\nvelocity = ";
+  const std::string end = "[time]\nend = 3.0\n[output]\nevery = 0.01\n";
+  const Html report =
+      page(parse_scene(bar + "1.0\n" + bar + "0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n" + end, "scene"));
+  EXPECT_TRUE(report.has("Forces at joints over time"));
+  EXPECT_TRUE(report.has(">joint 1</td><td>1</td><td>2</td><td>1</td><td>0.5</td>"));
+  EXPECT_TRUE(report.has("data-level=\"1\""));
+  const Html bonded = page(parse_scene(bar + "1.0\n" + bar + "0.0\n" + end, "scene"));
+  EXPECT_FALSE(bonded.has("Forces at joints"));
+}
+
 TEST(Report, LeavesOutWhatTheSceneDoesNotHave) {
   const Html report = page(free_bar());
   EXPECT_TRUE(report.has("<h2>Ends"));

@@ -106,6 +106,11 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
       .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
+  // A strip a bar.
+  double place = 0.0;
+  for (const Member& member : run.scene.chain)
+    if ((place += member.bar.length) > 0.0 && !member.rigid() && &member != &run.scene.chain.back())
+      figure.level(place, {"var(--ink)", false, 0.8});
   figure.colour_bar(map, values, symbol);
   if (std::ranges::find(pixels, touching) != pixels.end())
     figure.legend_box(plot::hex(palette[touching]), "in contact");

@@ -42,6 +42,7 @@ std::pair<std::vector<double>, std::vector<double>> ThinnedField::envelope() con
 ReportData::ReportData(const Case& run, const BarSystem& system)
     : field(system.mesh()),
       stress(system.mesh(), ThinnedField::At::elements),
+      joints(system.joints().size()),
       readings(run.gauges.size()),
       system_(system),
       gauges_(make_gauges(run.gauges, system.mesh(), run.scene)),
@@ -85,6 +86,11 @@ void ReportData::add(const Snapshot& at) {
   add_to(right, at.u.back(), at.reaction_right, stress_of(system_.mesh().elements - 1));
   if (snapshots == 0 && at.reaction_span != 0.0) span.closed_since = at.time;
   span.reaction.add({at.time, at.reaction_span});
+  for (std::size_t k = 0; k < std::min(joints.size(), at.joint_forces.size()); ++k) {
+    const double force = at.joint_forces[k];
+    if (snapshots == 0 && force != 0.0) joints[k].closed_since = at.time;
+    joints[k].reaction.add({at.time, force});
+  }
   ++snapshots;
   sensitivities.resize(std::max(sensitivities.size(), at.sensitivities.size()));
   for (std::size_t k = 0; k < at.sensitivities.size(); ++k) {
@@ -103,7 +109,10 @@ void ReportData::add(const Snapshot& at) {
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add({event});
-  if (event.where == Where::joint) return;
+  if (event.where == Where::joint)
+    return joints[static_cast<std::size_t>(std::ranges::find(system_.joints(), event.node, &JointNodes::number) -
+                                           system_.joints().begin())]
+        .add(event);
   if (event.where != Where::span) return (event.where == Where::left ? left : right).add(event);
   if (event.change == Change::closing || event.peak) span.add(event);
   // An end lies on it, too.

@@ -120,15 +120,16 @@ class ReportData {
   std::size_t snapshots = 0;
   ThinnedField field, stress;
   End left, right;
-  End span;  // all of its nodes together: reaction and contacts alone
+  End span;                 // all of its nodes together: reaction and contacts alone
+  std::vector<End> joints;  // of BarSystem::joints(), likewise
   std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
   std::vector<Slopes> sensitivities;                                                         // of each direction
   std::vector<Readings> readings;                                                            // of each gauge
   std::vector<Event> first_events;
   plot::Thinned<Fastest> marked_events{most_marks};
   static void members(auto& data, auto&& each) {
-    each(data.snapshots, data.field, data.stress, data.left, data.right, data.span, data.energy, data.sensitivities,
-         data.readings, data.first_events, data.marked_events);
+    each(data.snapshots, data.field, data.stress, data.left, data.right, data.span, data.joints, data.energy,
+         data.sensitivities, data.readings, data.first_events, data.marked_events);
   }
 
   bool has_springs() const { return has_springs_; }

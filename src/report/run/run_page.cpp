@@ -90,25 +90,30 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
   const Units& units = run.scene.units;
-  Table table{{"Obstacle", "closings", with_unit("time in contact", units, Dimension::time),
+  Table table{{"where", "closings", with_unit("time in contact", units, Dimension::time),
                with_unit("impulse of the reaction", units, Dimension::impulse),
                with_unit("peak reaction", units, Dimension::stress)},
               1,
               {}};
-  const auto add = [&](const char* where, bool there, const auto& obstacle) {
+  const auto add = [&](std::string where, bool there, const auto& obstacle) {
     if (there)
-      table.rows.push_back({where, fmt::format("{}", obstacle.closings),
+      table.rows.push_back({std::move(where), fmt::format("{}", obstacle.closings),
                             readable(obstacle.contact.total(outcome.reached_time)), readable(obstacle.impulse),
                             readable(obstacle.peak_reaction)});
   };
   add("left end", is_obstacle(run.scene.left), account.left);
   add("right end", is_obstacle(run.scene.right), account.right);
   add("span, its nodes together", run.scene.span.has_value(), account.span);
+  std::size_t closings = account.left.closings + account.right.closings + account.span.closings;
+  for (std::size_t k = 1; k < run.scene.chain.size(); ++k) {
+    const JointAccount joint = k <= account.joints.size() ? account.joints[k - 1] : JointAccount{};
+    add(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, joint);
+    closings += joint.closings;
+  }
   if (table.rows.empty()) return {};
   std::vector<std::string> notes;
   const auto remark = peak_remark(setup, system);
-  if (remark && account.left.closings + account.right.closings + account.span.closings > 0)
-    notes.push_back("Peak reaction: " + *remark);
+  if (remark && closings > 0) notes.push_back("Peak reaction: " + *remark);
   return section_html("Contact", html(table) + notes_html(notes));
 }
 
@@ -201,6 +206,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
     page.add(stress_map(run, system, outcome, data, of_stress));
     page.add(end_traces(run, outcome, data));
     page.add(reactions(run, outcome, data));
+    page.add(joint_forces(run, data));
     page.add(end_tractions(run, system, outcome, data));
     page.add(energies(run, data));
     page.add(gauges(run, data));

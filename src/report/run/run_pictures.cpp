@@ -237,6 +237,27 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
           {{"reactions", "Reactions of the obstacles over time", over_time(run, data, axis, 240.0, lines)}}};
 }
 
+Picture joint_forces(const Case& run, const ReportData& data) {
+  std::vector<std::string> names;
+  for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
+    if (run.scene.chain[k - 1].joint.kind != JointKind::bonded) names.push_back(fmt::format("joint {}", k));
+  if (names.empty()) return {};
+  std::vector<TimeLine> lines;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const ReportData::End& joint = data.joints[k];
+    lines.push_back(
+        {with_contacts(joint.reaction.points(), joint.contacts.intervals(), [](double, double r) { return r; }),
+         {plot::series_colour(k), k % 2 == 1, 1.8},
+         names[k]});
+  }
+  const std::string axis = with_unit("force N", run.scene.units, Dimension::stress);
+  return {
+      "Forces at joints",
+      "Force that pushes the two sides of a joint apart, at the output times, and nothing where a contact closes or "
+      "opens. The table of contacts has impulses and peaks, which do not depend on the output times.",
+      {{"joints", "Forces at joints over time", over_time(run, data, axis, 240.0, lines)}}};
+}
+
 Picture energies(const Case& run, const ReportData& data) {
   if (data.energy.front().empty()) return {};
   std::vector<TimeLine> lines;
