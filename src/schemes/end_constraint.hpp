@@ -52,7 +52,7 @@ class EndConstraint {
   TridiagonalFactor factor_;
   std::vector<Column> columns_;
   std::vector<unsigned char> active_;
-  // Of more than two: c_k A^{-1} c_l; those held, their rows of it, their multipliers; the excess of all.
+  // More than two: c_k A^{-1} c_l; those held, their rows of it, their multipliers; the excess of all.
   std::vector<double> compliance_, rows_, lambda_, excess_;
   std::vector<std::size_t> held_;
 };

@@ -68,6 +68,9 @@ Trace stock_cvode(const Problem& problem, double relative, double absolute, AtCh
 /// right, both ends held, until a solution fits. Returns u^n(0) of every step.
 std::vector<double> paper_scheme(const BarSystem& system, double step, std::size_t steps);
 
+/// The same, plain but quick: factored once, the ends by the columns of the inverse.
+std::vector<double> plain_scheme(const BarSystem& system, double step, std::size_t steps);
+
 /// Boost.Odeint: rosenbrock4 (dense matrices, small meshes only) and dopri5, each with its error control.
 Trace rosenbrock4(const Problem& problem, double relative, double absolute);
 Trace dopri5(const Problem& problem, double relative, double absolute);

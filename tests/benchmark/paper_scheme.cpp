@@ -68,4 +68,66 @@ std::vector<double> paper_scheme(const BarSystem& system, double step, std::size
   return left_end;
 }
 
+std::vector<double> plain_scheme(const BarSystem& system, double step, std::size_t steps) {
+  const std::size_t n = system.size(), last = n - 1;
+  const double dt = step, bound = -system.contacts().front().gap;
+  SymmetricTridiagonal next, now, before;
+  system.dynamic_stiffness(1 / (dt * dt), 1 / (2 * dt), 0.5, next);
+  system.dynamic_stiffness(2 / (dt * dt), 0.0, 0.0, now);
+  system.dynamic_stiffness(-1 / (dt * dt), 1 / (2 * dt), -0.5, before);
+  std::vector<double> lower(n), inverse(n), upper(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    lower[i] = i == 0 ? 0.0 : next.off_diagonal[i - 1] * inverse[i - 1];
+    inverse[i] = 1.0 / (next.diagonal[i] - (i == 0 ? 0.0 : lower[i] * next.off_diagonal[i - 1]));
+    upper[i] = i == last ? 0.0 : next.off_diagonal[i] * inverse[i];
+  }
+  const auto back = [&](std::vector<double>& x) {
+    x[last] *= inverse[last];
+    for (std::size_t i = last; i-- > 0;) x[i] = x[i] * inverse[i] - upper[i] * x[i + 1];
+  };
+  const auto column = [&](std::size_t end) {
+    std::vector<double> x(n, 0.0);
+    x[end] = 1.0;
+    for (std::size_t i = 1; i < n; ++i) x[i] -= lower[i] * x[i - 1];
+    back(x);
+    return x;
+  };
+  const std::vector<double> first = column(0), other = column(last);
+  const double g00 = first[0], g01 = first[last], g11 = other[last];
+  const State start = system.initial_state();
+  std::vector<double> u_before = start.u, u = start.u, x(n), left_end;
+  for (std::size_t i = 0; i < n; ++i) u[i] += dt * start.v[i];
+  u.front() = std::max(u.front(), bound), u.back() = std::max(u.back(), bound);
+  LoadVector load(system);
+  const auto f = load.at(0.0);  // which does not depend on t
+  left_end.reserve(steps + 1);
+  left_end.push_back(u_before.front());
+  for (std::size_t k = 1; k <= steps; ++k) {
+    left_end.push_back(u.front());
+    double swept = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      double b = f[i] + now.diagonal[i] * u[i] + before.diagonal[i] * u_before[i];
+      if (i > 0) b += now.off_diagonal[i - 1] * u[i - 1] + before.off_diagonal[i - 1] * u_before[i - 1];
+      if (i < last) b += now.off_diagonal[i] * u[i + 1] + before.off_diagonal[i] * u_before[i + 1];
+      x[i] = swept = b - lower[i] * swept;
+    }
+    back(x);
+    const double e0 = x[0] - bound, e1 = x[last] - bound;
+    if (e0 < 0.0 || e1 < 0.0) {
+      double p = std::max(-e0 / g00, 0.0), q = 0.0;
+      if (e1 + g01 * p < 0.0) {
+        p = 0.0, q = -e1 / g11;
+        if (e0 + g01 * q < 0.0) {
+          const double determinant = g00 * g11 - g01 * g01;
+          p = (g01 * e1 - g11 * e0) / determinant, q = (g01 * e0 - g00 * e1) / determinant;
+        }
+      }
+      for (std::size_t i = 0; i < n; ++i) x[i] += p * first[i] + q * other[i];
+    }
+    std::swap(u_before, u);
+    std::swap(u, x);
+  }
+  return left_end;
+}
+
 }  // namespace viscobar::baseline

@@ -54,16 +54,22 @@ void scheme(benchmark::State& state, double gap) {
   per_node(state, static_cast<double>(steps));
 }
 
-void paper(benchmark::State& state, double gap) {
+template <auto run>
+void baseline_of(benchmark::State& state, double gap) {
   const BarSystem system = bar(state, gap);
   const std::size_t steps = step_count(state) / 4;
-  for (auto _ : state) benchmark::DoNotOptimize(baseline::paper_scheme(system, half_element(state), steps));
+  for (auto _ : state) benchmark::DoNotOptimize(run(system, half_element(state), steps));
   per_node(state, static_cast<double>(steps));
 }
+constexpr auto paper = baseline_of<baseline::paper_scheme>, plain = baseline_of<baseline::plain_scheme>;
 
 BENCHMARK(triad)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
 BENCHMARK_CAPTURE(scheme, flight, flight)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
 BENCHMARK_CAPTURE(scheme, contact, contact)->RangeMultiplier(10)->Range(100, 1000000)->Repetitions(9);
+BENCHMARK_CAPTURE(scheme, flight, flight)->Arg(10)->Arg(16)->Arg(27)->Repetitions(9);
+BENCHMARK_CAPTURE(scheme, contact, contact)->Arg(10)->Arg(16)->Arg(27)->Repetitions(9);
+BENCHMARK_CAPTURE(plain, flight, flight)->Arg(10)->Arg(16)->Arg(27)->Arg(100)->Repetitions(9);
+BENCHMARK_CAPTURE(plain, contact, contact)->Arg(10)->Arg(16)->Arg(27)->Arg(100)->Repetitions(9);
 BENCHMARK_CAPTURE(paper, flight, flight)->Arg(1000)->Arg(100000);
 BENCHMARK_CAPTURE(paper, contact, contact)->Arg(1000)->Arg(100000);
 

@@ -174,7 +174,7 @@ TEST(ChainJudge, JudgesColumnsOfEndsGaugesAndJoints) {
   EXPECT_THROW((void)judge(study), std::invalid_argument);  // bonded
 }
 
-// Of equal elastic bars the first one stops: N = Z v / 2 for 2 L/c, whose impulse is its momentum. A bonded joint has
+// The first of equal elastic bars stops: N = Z v / 2 for 2 L/c, whose impulse is its momentum. A bonded joint has
 // no contact.
 TEST(ChainSweep, ARowHasTheContactsOfEachJoint) {
   const std::string two =
