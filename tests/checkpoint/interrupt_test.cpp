@@ -88,7 +88,7 @@ TEST_F(Interrupts, AreHeardByARunOfEachMethodOnAFineMesh) {
     expect_heard({"run", scene, "--set", std::string("method.name=") + method, "--no-estimate", "-q", "-o", "out"});
 }
 
-// Of a terminal that closes, of kill(1), of batch systems: the same. Others end the program; what was whole stays so.
+// A terminal that closes, kill(1) and batch systems send them. Other signals end the program; what was whole stays so.
 TEST_F(Interrupts, AreAlsoSignalsOfTheSystem) {
   ASSERT_EQ(Process(scratch.path(), {"run", "fine.toml", "--set", "mesh.elements=20", "-q", "-o", "out"}).wait(), 0);
   const std::vector<std::string> run = {"run", "fine.toml", "--no-estimate", "-q", "-o", "out"};
