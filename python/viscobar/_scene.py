@@ -169,25 +169,38 @@ def function_name(function: Any) -> str:
 
 def is_sampled(value: Any) -> bool:
     """Whether that is a pair of arrays."""
-    return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(np.ndim(part) == 1 for part in value)
+
+    def is_row(part: Any) -> bool:
+        try:
+            return np.ndim(part) >= 1
+        except ValueError:  # a list of lists of several lengths
+            return True
+
+    return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(map(is_row, value))
 
 
-def samples(name: str, value: Any) -> str:
+def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
     """The table of a series of places, or times, and values."""
     if name not in SAMPLED:
         raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
-    if any(np.iscomplexobj(part) for part in value):
-        raise SceneError([Finding(name, "has samples that are complex numbers")])
-    # What a mask hides was not measured, at the time of it, too.
-    hidden = np.ma.getmaskarray(np.ma.asarray(value[0])), np.ma.getmaskarray(np.ma.asarray(value[1]))
-    if hidden[0].shape == hidden[1].shape:
-        value = [np.ma.getdata(part)[~(hidden[0] | hidden[1])] for part in map(np.ma.asarray, value)]
     try:
-        times, values = (np.asarray(part, dtype=float) for part in value)
+        parts = [np.ma.asarray(part) for part in (places, values)]
+        if any(map(np.iscomplexobj, parts)):
+            raise TypeError("complex numbers")
+        parts = [part.astype(float) for part in parts]
     except (TypeError, ValueError) as error:
         raise SceneError([Finding(name, f"has samples that are no numbers: {error}")]) from None
-    places = "x" if name.startswith("initial.") or name == "load.profile" else "t"
-    return f"{{ {places} = {_value(name, times)}, values = {_value(name, values)} }}"
+    if any(part.ndim != 1 for part in parts):
+        raise SceneError([Finding(name, f"has samples of the shape {parts[1].shape}", "a row of numbers is meant")])
+    # What a mask hides was not measured, at the time of it, too.
+    hidden = [np.ma.getmaskarray(part) for part in parts]
+    if hidden[0].shape == hidden[1].shape:
+        parts = [np.ma.getdata(part)[~(hidden[0] | hidden[1])] for part in parts]
+    return {_place_of(name): parts[0], "values": parts[1]}
+
+
+def _place_of(name: str) -> str:
+    return "x" if name.startswith("initial.") or name == "load.profile" else "t"
 
 
 def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -197,7 +210,9 @@ def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     def line(key: str, value: Any, table: str = "") -> str:
         name = f"{table}.{key}" if table else key
         if is_sampled(value) and (name in SAMPLED or not all(isinstance(part, str) for part in value)):
-            return f"{_key(key)} = {samples(name, value)}\n"
+            return f"{_key(key)} = {_value(name, samples(name, *value))}\n"
+        if isinstance(value, Mapping) and name in SAMPLED and {_place_of(name), "values"} <= value.keys():
+            value = {**value, **samples(name, value[_place_of(name)], value["values"])}
         if callable(value):
             if name not in FUNCTIONS:
                 raise SceneError([Finding(name, "is a Python function", "only " + ", ".join(FUNCTIONS) + " may be one")])

@@ -100,6 +100,7 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
 void Study::finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv) const {
   StudyFiles files{options_.figures, {}};
   if (!csv.empty()) files.tables[name_ + ".csv"] = csv;
+  catch_interrupts();  // one that comes now waits: the files take their places together
   const std::string written = write_study(directory_.path(), name_, json, std::move(page), files);
   if (options_.scene.json)
     print(written);

@@ -22,8 +22,14 @@ int export_files(const ExportOptions& asked) {
     refuse("--format: there is no format \"{}\"{}", asked.format, instead_of(asked.format, known));
   std::filesystem::path target = asked.where;
   if (target.empty()) target = std::filesystem::path(asked.directory) / asked.format;
-  for (const auto& file : export_result(asked.directory, formats[format - known.begin()], target))
-    if (!asked.quiet) print(one_line(file.string()) + "\n");
+  catch_interrupts();
+  try {
+    for (const auto& file : export_result(asked.directory, formats[format - known.begin()], target, interrupt_asked))
+      if (!asked.quiet) print(one_line(file.string()) + "\n");
+  } catch (const ExportStopped&) {
+    complain("interrupted; nothing was changed");
+    return stopped;
+  }
   return success;
 }
 

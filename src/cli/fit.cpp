@@ -20,7 +20,8 @@ int fit_scene(const FitOptions& asked) {
   });
   const Study study(asked, scene, ResultKind::fit);
   const FitResult result = fit(problem);
-  study.finish(fit_json(scene, problem, result), fit_page(scene, problem, result), fit_text(problem, result) + "\n");
+  study.finish(fit_json(scene, problem, result), fit_page(scene, problem, result),
+               fit_text(scene, problem, result) + "\n");
   if (!result.converged) complain(fmt::format("fit: {}", result.reason));
   return result.converged ? success : run_failed;
 }

@@ -14,10 +14,10 @@
 
 #include "case/regime.hpp"
 #include "cli/commands.hpp"
+#include "report/number_text.hpp"
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
-#include "scene/unit_names.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar::cli {
@@ -26,9 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string with_unit(double value, const Units& units, Dimension dimension) {
-  const std::string unit = unit_name(units, dimension);
-  return fmt::format("{:.6g}{}{}", value, unit.empty() ? "" : " ", unit);
+std::string with_unit(double value, const Scene& scene, Dimension quantity) {
+  return NumberText(NumberText::For::terminal, scene)(value, quantity, 6);
 }
 
 /// The first contacts of the ends, each from its closing to its opening, with the impulse between.
@@ -40,10 +39,10 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   const auto tell = [&](const Event& from, const Event* to) {
     if (shown == most) return void(++more);
     ++shown;
-    std::string words = "t = " + with_unit(from.time, run.scene.units, Dimension::time);
-    words += to ? " to " + with_unit(to->time, run.scene.units, Dimension::time) : " on";
+    std::string words = "t = " + with_unit(from.time, run.scene, Dimension::time);
+    words += to ? " to " + with_unit(to->time, run.scene, Dimension::time) : " on";
     if (to && from.impulse && to->impulse)
-      words += ", impulse " + with_unit(*to->impulse - *from.impulse, run.scene.units, Dimension::impulse);
+      words += ", impulse " + with_unit(*to->impulse - *from.impulse, run.scene, Dimension::impulse);
     text += row(fmt::format("contact {}", place(from)), words);
   };
   for (const Event& event : events) {
@@ -61,11 +60,10 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
 
 std::string table(const Case& run, const Outcome& outcome, const std::vector<Event>& events,
                   const fs::path& directory) {
-  const Units& units = run.scene.units;
   std::string text = heading(run.scene.title, "Run") + "\n";
   text += row("method", method_words(run));
   if (outcome.ending == Ending::completed)
-    text += row("simulated time", with_unit(outcome.reached_time, units, Dimension::time));
+    text += row("simulated time", with_unit(outcome.reached_time, run.scene, Dimension::time));
   else
     text += row("simulated time", "{:.6g} of {:.6g}: not completed", outcome.reached_time, run.end);
   text += row("steps", "{}", outcome.steps);
@@ -74,7 +72,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     text += row("evaluations", "{}", statistics->rhs_evaluations);
     text += row("linear solves", "{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations);
     if (statistics->max_penetration > 0.0)
-      text += row("largest penetration", with_unit(statistics->max_penetration, units, Dimension::length));
+      text += row("largest penetration", with_unit(statistics->max_penetration, run.scene, Dimension::length));
     if (const auto& energy = statistics->energy) {
       const std::string end_rows =
           energy->end_inertia == 0.0 ? "" : fmt::format(" ({:.3g} of it by the mass's end rows)", energy->end_inertia);
@@ -85,9 +83,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {
         if (there)
           text += row(where, "{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
-                      with_unit(obstacle.contact.total(outcome.reached_time), units, Dimension::time),
-                      with_unit(obstacle.impulse, units, Dimension::impulse),
-                      with_unit(obstacle.peak_reaction, units, Dimension::stress));
+                      with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
+                      with_unit(obstacle.impulse, run.scene, Dimension::impulse),
+                      with_unit(obstacle.peak_reaction, run.scene, Dimension::stress));
       };
       contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
       contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);
@@ -96,8 +94,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (!is_fixed(kind) && end.lowest <= end.highest)
-          text += row(where, "u from {} to {}", with_unit(end.lowest, units, Dimension::length),
-                      with_unit(end.highest, units, Dimension::length));
+          text += row(where, "u from {} to {}", with_unit(end.lowest, run.scene, Dimension::length),
+                      with_unit(end.highest, run.scene, Dimension::length));
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);

@@ -86,7 +86,7 @@ std::string table(const SweepFile& sweep, const SweepResults& results, std::size
   constexpr std::size_t most_rows = 30;
   const auto rows = results.rows();
   if (!rows.empty()) {
-    text += "\n" + viscobar::text(sweep_text_table(sweep, rows, most_rows));
+    text += "\n" + viscobar::text(sweep_text_table(sweep, rows, most_rows, NumberText::For::terminal));
     if (rows.size() > most_rows) text += fmt::format("  and {} more\n", rows.size() - most_rows);
     text += "\n";
   }

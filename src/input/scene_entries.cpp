@@ -272,15 +272,18 @@ void SceneEntries::check_values() {
     if (!is_parameter(name)) check(name, entry, known);
 }
 
-void SceneEntries::read_series(const std::string& name, const SceneTable& table) {
-  const SceneKey& key = *find_scene_key(name);
+Units SceneEntries::units() const {
   const auto unit = [&](const char* of) {
     const auto entry = entries_.find(of);
     const auto* text = entry == entries_.end() ? nullptr : std::get_if<std::string>(&entry->second.value);
     return text ? *text : std::string();
   };
-  const Units units{unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"),
-                    unit("units.stress")};
+  return {unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"), unit("units.stress")};
+}
+
+void SceneEntries::read_series(const std::string& name, const SceneTable& table) {
+  const SceneKey& key = *find_scene_key(name);
+  const Units units = this->units();
   SeriesRequest request;
   request.variable = key.variables.front();
   request.jumps = key.leaf() != "motion";

@@ -61,6 +61,7 @@ class SceneEntries {
   std::vector<double> numbers(std::string_view key) const;    ///< empty where the key is absent
   /// The series that is the value of a key; null where the value is none.
   std::shared_ptr<const Series> series(std::string_view key) const;
+  Units units() const;  ///< those that the scene names
   /// The value of a key that is there and sound as results describe it: the file of a series by its whole name and with
   /// a checksum.
   SceneValue described(std::string_view key) const;

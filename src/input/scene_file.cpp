@@ -140,8 +140,7 @@ Case case_of(SceneEntries& entries) {
   if (const auto section = entries.formula("bar.section"); section && !entries.faulty("bar.length"))
     scene.section = section->of_x(), scene.section_places = places("bar.section");
   scene.side = resistance_of(entries, scene.bar.length);
-  scene.units = {text("units.length"), text("units.time"), text("units.mass"), text("units.force"),
-                 text("units.stress")};
+  scene.units = entries.units();
 
   run.elements =
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));

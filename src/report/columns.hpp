@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "report/number_text.hpp"
 #include "results/csv.hpp"
 #include "results/json.hpp"
 #include "text/table.hpp"
@@ -40,15 +41,21 @@ struct Column {
   std::string heading;                        ///< its name for people
   std::function<Cell(const Row& row)> value;  ///< with all its digits
   /// For people, where they read something else than the value.
-  std::function<std::string(const Row& row, NumberText number)> people = {};
+  std::function<std::string(const Row& row, const NumberText& number)> people = {};
   bool optional = false;    ///< where it is absent it is not told
   int digits = 3;           ///< for people
   const char* absent = "";  ///< for people, where there is no value
+  UnitPowers unit{};        ///< of its numbers, told in the heading
 
   Column or_else(const char* words) && {
     absent = words;
     return std::move(*this);
   }
+  Column in(const UnitPowers& powers) && {
+    unit = powers;
+    return std::move(*this);
+  }
+  Column in(Dimension quantity) && { return std::move(*this).in(unit_powers(quantity)); }
 };
 
 template <class Row, class Value>
@@ -74,7 +81,8 @@ std::string text_of(const Cell& cell, Number&& number, const char* absent = "") 
 
 /// For people: the first `words` columns flush left; an optional column that no row has is not there.
 template <class Row>
-Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, NumberText number, std::size_t words) {
+Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, const NumberText& number,
+               std::size_t words) {
   std::erase_if(columns, [&](const Column<Row>& column) {
     const auto absent = [&](const Row& row) {
       return column.people ? column.people(row, number).empty()
@@ -83,7 +91,7 @@ Table table_of(std::vector<Column<Row>> columns, const std::vector<Row>& rows, N
     return column.optional && std::ranges::all_of(rows, absent);
   });
   Table table{{}, words, {}};
-  for (const Column<Row>& column : columns) table.header.push_back(column.heading);
+  for (const Column<Row>& column : columns) table.header.push_back(number.heading(column.heading, column.unit));
   for (const Row& row : rows) {
     std::vector<std::string>& line = table.rows.emplace_back();
     for (const Column<Row>& column : columns)

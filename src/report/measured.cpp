@@ -43,13 +43,13 @@ Event change_of(const std::string& file, double t, const std::string& where, con
   return event;
 }
 
-std::string unit_of(TraceColumn column, const Units& units) {
+UnitPowers unit_of(TraceColumn column) {
   constexpr std::optional<Dimension> dimensions[] = {
       Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
       Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress,
       Dimension::length, Dimension::length,   Dimension::stress};
   const auto dimension = dimensions[static_cast<std::size_t>(column)];
-  return dimension ? unit_name(units, *dimension) : "";
+  return dimension ? unit_powers(*dimension) : UnitPowers{};
 }
 
 // Values in the unit of the scene, where both have one.
@@ -64,6 +64,11 @@ void convert(TraceFile& table, TraceFile::Column& column, const std::string& uni
 }
 
 }  // namespace
+
+UnitPowers unit_of_trace(const std::string& column) {
+  const auto trace = trace_column(column);
+  return trace ? unit_of(trace->first) : UnitPowers{};
+}
 
 std::vector<Event> changes_in(const TraceFile& table, const std::string& file) {
   std::vector<Event> changes;
@@ -87,7 +92,7 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   convert(table, t, scene.run.scene.units.time, file);
   for (TraceFile::Column& column : table.columns)
     if (const auto trace = trace_column(column.name))
-      convert(table, column, unit_of(trace->first, scene.run.scene.units), file);
+      convert(table, column, unit_name(scene.run.scene.units, unit_of(trace->first)), file);
   constexpr double far = 100.0;
   const double last = t.values.back(), end = scene.run.end;
   // The last contact may be early.

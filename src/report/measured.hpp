@@ -5,6 +5,7 @@
 
 #include "input/trace_file.hpp"
 #include "results/json.hpp"
+#include "scene/unit_names.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
@@ -16,6 +17,8 @@ std::vector<std::string> names_of_traces();
 /// both have them. @throws SceneError, std::invalid_argument
 TraceFile read_measured(const SceneFile& scene, const std::string& file, const std::vector<std::string>& known,
                         const std::vector<std::string>& required, const std::vector<std::string>& words = {});
+/// The unit of a column, "u_left" or "stress@0.25"; of none where it is a strain or no such column.
+UnitPowers unit_of_trace(const std::string& column);
 /// Contact changes of a file with the columns t, where and change. @throws std::invalid_argument
 std::vector<Event> changes_in(const TraceFile& table, const std::string& file);
 

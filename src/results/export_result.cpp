@@ -23,20 +23,26 @@ namespace {
 
 namespace fs = std::filesystem;
 using Quantity = FieldReader::Quantity;
+using Asked = std::function<bool()>;
+
+void look_at(const Asked& stop) {
+  if (stop && stop()) throw ExportStopped();
+}
 
 /// Calls `take` with the rows of a field in blocks of about 1 MiB.
 template <class Take>
-void for_each_block(const FieldReader& field, Quantity quantity, Take&& take) {
+void for_each_block(const FieldReader& field, Quantity quantity, const Asked& stop, Take&& take) {
   const std::size_t width = field.width(quantity), most = std::max<std::size_t>(1, (1 << 17) / width);
   std::vector<double> block;
   for (std::size_t row = 0; row < field.rows(); row += most) {
+    look_at(stop);
     block.resize(std::min(most, field.rows() - row) * width);
     field.read(quantity, row, block);
     take(row, std::span<const double>(block));
   }
 }
 
-void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity) {
+void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity, const Asked& stop) {
   LineFile file(path);
   const std::size_t n = field.width(quantity);
   std::vector<double> x = field.x();
@@ -44,7 +50,7 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
     for (std::size_t j = 0; j < n; ++j) x[j] = 0.5 * (x[j] + x[j + 1]);
   x.resize(n);
   file.print("t,{}", fmt::join(x, ","));
-  for_each_block(field, quantity, [&](std::size_t first, std::span<const double> block) {
+  for_each_block(field, quantity, stop, [&](std::size_t first, std::span<const double> block) {
     for (std::size_t row = 0; row < block.size() / n; ++row)
       file.print("{},{}", field.times()[first + row], fmt::join(block.subspan(row * n, n), ","));
   });
@@ -53,7 +59,7 @@ void write_csv(const fs::path& path, const FieldReader& field, Quantity quantity
 
 /// field.h5 and field.xdmf with a dataset for each time (u/0, u/1, ...): for readers that know no part of a dataset,
 /// such as meshio.
-void export_xdmf(const FieldReader& field, const fs::path& target) {
+void export_xdmf(const FieldReader& field, const fs::path& target, const Asked& stop) {
   const fs::path path = target / "field.h5";
   Hdf5File file(hdf5_checked(path, "cannot be created",
                              [&] { return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT); }));
@@ -64,6 +70,7 @@ void export_xdmf(const FieldReader& field, const fs::path& target) {
   std::string text(xdmf::head);
   std::vector<double> row;
   for (std::size_t k = 0; k < field.rows(); ++k) {
+    look_at(stop);
     text += xdmf::grid_head(k, field.times()[k], n);
     for (const Quantity quantity : FieldReader::quantities) {
       if (!field.has(quantity)) continue;
@@ -108,7 +115,8 @@ void copy_table(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target) {
+std::vector<fs::path> export_result(const fs::path& result, ExportFormat format, const fs::path& target,
+                                    const Asked& stop) {
   settle_result_directory(result);
   check_sound(result);
   std::optional<FieldReader> field;
@@ -128,7 +136,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
     check_target(target / "field.xdmf", "<?xml");
     make_directories(target);
     FileSet files(target, "export");
-    export_xdmf(*field, files.folder());
+    export_xdmf(*field, files.folder(), stop);
     files.take_places();
     return {target / "field.h5", target / "field.xdmf"};
   }
@@ -140,7 +148,8 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   };
   for (const Quantity quantity : FieldReader::quantities)
     if (field && field->has(quantity))
-      add(FieldReader::name(quantity), [&, quantity](const fs::path& file) { write_csv(file, *field, quantity); });
+      add(FieldReader::name(quantity),
+          [&, quantity](const fs::path& file) { write_csv(file, *field, quantity, stop); });
   for (const std::string table : {"ends", "energy", "gauges", "joints"})
     if (is_there(table))
       add(table, [&, from = result / (table + ".csv")](const fs::path& file) {
@@ -149,7 +158,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   for (const fs::path& file : files) check_target(file, "t,");
   make_directories(target);
   FileSet set(target, "export");
-  for (std::size_t k = 0; k < files.size(); ++k) writers[k](set.folder() / files[k].filename());
+  for (std::size_t k = 0; k < files.size(); ++k) look_at(stop), writers[k](set.folder() / files[k].filename());
   set.take_places();
   return files;
 }

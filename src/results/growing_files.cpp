@@ -7,7 +7,7 @@
 
 #include "dynamics/pieces.hpp"
 #include "input/described_scene.hpp"
-#include "input/scene_keys.hpp"
+#include "input/unit_of_key.hpp"
 #include "results/csv.hpp"
 #include "viscobar/results/io_error.hpp"
 
@@ -25,17 +25,6 @@ void check_length(const fs::path& file, std::uint64_t length) {
   const auto size = fs::file_size(file, error);
   if (error) throw IoError(file, "cannot be read: " + error.message());
   if (size < length) throw IoError(file, "is shorter than at the checkpoint: it was changed since");
-}
-
-// Unit of the number that a key names. Under the span a reaction is a force per length of the bar, so epsilon has a
-// length more there, and none of its own where the same number serves an end.
-std::optional<UnitPowers> unit_of(std::string_view key, const Scene& scene) {
-  const SceneKey* row = find_scene_key(key);
-  auto unit = row ? unit_powers(row->unit) : std::nullopt;
-  if (key != "contact.epsilon" || !scene.span) return unit;
-  if (is_obstacle(scene.left) || is_obstacle(scene.right)) return std::nullopt;
-  ++(*unit)[0];
-  return unit;
 }
 
 }  // namespace
@@ -78,7 +67,8 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   }
   read = make_gauges(run.gauges, run.mesh(), run.scene);
   std::vector<FieldOrigin::Key> keys;
-  for (const Direction& direction : run.directions) keys.push_back({direction.key, unit_of(direction.key, run.scene)});
+  for (const Direction& direction : run.directions)
+    keys.push_back({direction.key, unit_of_key(direction.key, run.scene)});
   if (run.files.field)
     field.emplace(directory, run.mesh(), static_cast<std::size_t>(run.end / run.output_every) + 2,
                   mark && mark->field ? &*mark->field : nullptr,

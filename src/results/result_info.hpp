@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -55,7 +56,10 @@ enum class ExportFormat {
 /// written.
 /// @throws std::invalid_argument when `result` holds no run
 /// @throws IoError
+/// @throws ExportStopped where `stop`, asked between two blocks, says so; nothing is changed then
 std::vector<std::filesystem::path> export_result(const std::filesystem::path& result, ExportFormat format,
-                                                 const std::filesystem::path& target);
+                                                 const std::filesystem::path& target,
+                                                 const std::function<bool()>& stop = {});
+struct ExportStopped {};
 
 }  // namespace viscobar

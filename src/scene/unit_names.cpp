@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -16,7 +17,7 @@ constexpr std::pair<std::string_view, std::string Units::*> kinds[] = {{"length"
                                                                        {"force", &Units::force},
                                                                        {"stress", &Units::stress}};
 /// Powers of these.
-using Powers = std::array<int, std::size(kinds)>;
+using Powers = std::array<double, std::size(kinds)>;
 
 /// Powers of a stress, in units that are named.
 std::optional<Powers> stress_powers(const Units& units) {
@@ -27,8 +28,8 @@ std::optional<Powers> stress_powers(const Units& units) {
   return std::nullopt;
 }
 
-std::string power(std::string_view name, int exponent) {
-  return exponent == 1 ? std::string(name) : fmt::format("{}^{}", name, exponent);
+std::string power(std::string_view name, double exponent) {
+  return exponent == 1.0 ? std::string(name) : fmt::format("{}^{}", name, exponent);
 }
 
 }  // namespace
@@ -39,16 +40,17 @@ UnitPowers unit_powers(Dimension quantity) {
 }
 
 std::optional<UnitPowers> unit_powers(std::string_view words) {
-  constexpr std::pair<std::string_view, UnitPowers> known[] = {
-      {"1", {0, 0, 0}}, {"length", {1, 0, 0}}, {"time", {0, 1, 0}}, {"stress", {0, 0, 1}}, {"density", {-2, 2, 1}}};
+  constexpr std::pair<std::string_view, UnitPowers> known[] = {{"1", {0, 0, 0}},        {"length", {1, 0, 0}},
+                                                               {"time", {0, 1, 0}},     {"stress", {0, 0, 1}},
+                                                               {"density", {-2, 2, 1}}, {"energy", {1, 0, 1}}};
   if (words.empty()) return std::nullopt;
   UnitPowers all{};
-  int sign = 1;
+  double sign = 1.0;
   while (!words.empty()) {
     const std::string_view word = words.substr(0, words.find(' '));
     words.remove_prefix(std::min(word.size() + 1, words.size()));
     if (word == "/" || word == "x") {
-      sign = word == "/" ? -1 : 1;
+      sign = word == "/" ? -1.0 : 1.0;
       continue;
     }
     const auto* found = std::ranges::find(known, word, &std::pair<std::string_view, UnitPowers>::first);
@@ -61,7 +63,7 @@ std::optional<UnitPowers> unit_powers(std::string_view words) {
 std::string unit_name(const Units& units, const UnitPowers& powers) {
   const auto [length, time, stress] = powers;
   Powers all{length, time, 0, 0, 0};
-  if (stress != 0) {
+  if (stress != 0.0) {
     const auto parts = stress_powers(units);
     if (!parts) return {};
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += stress * (*parts)[k];
@@ -71,34 +73,25 @@ std::string unit_name(const Units& units, const UnitPowers& powers) {
   int divisors = 0;
   for (const std::size_t k : {4, 3, 2, 0, 1}) {
     const std::string& name = units.*kinds[k].second;
-    const int exponent = all[k];
-    if (exponent == 0) continue;
+    const double exponent = all[k];
+    if (exponent == 0.0) continue;
     if (name.empty()) return {};
-    std::string& part = exponent > 0 ? above : below;
-    if (exponent < 0) ++divisors;
-    part += (part.empty() ? "" : " ") + power(name, exponent > 0 ? exponent : -exponent);
+    std::string& part = exponent > 0.0 ? above : below;
+    if (exponent < 0.0) ++divisors;
+    part += (part.empty() ? "" : " ") + power(name, std::abs(exponent));
   }
   if (below.empty()) return above;
   return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
 }
-
-namespace {
 
 std::string squares(std::string unit) {
   for (std::size_t at = 0; (at = unit.find("^2", at)) != unit.npos;) unit.replace(at, 2, "²");
   return unit;
 }
 
-}  // namespace
-
 std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
   const std::string unit = unit_name(units, quantity);
   return unit.empty() ? std::string(words) : fmt::format("{} [{}]", words, squares(unit));
-}
-
-std::string in_unit(std::string number, const Units& units, Dimension quantity) {
-  const std::string unit = unit_name(units, quantity);
-  return unit.empty() ? number : number + "\u00a0" + squares(unit);
 }
 
 std::string named_units(const Units& units) {

@@ -13,8 +13,8 @@ namespace viscobar {
 /// stress, and a stress times a length.
 enum class Dimension { length, time, velocity, stress, impulse, energy };
 
-/// A unit by its powers of length, time and stress.
-using UnitPowers = std::array<int, 3>;
+/// A unit by its powers of length, time and stress, which are fractions in norms over the bar.
+using UnitPowers = std::array<double, 3>;
 UnitPowers unit_powers(Dimension quantity);
 /// Powers of a unit in words, such as "stress x time / length", each "/" before what it divides by, or "density";
 /// absent: of none.
@@ -25,11 +25,11 @@ std::optional<UnitPowers> unit_powers(std::string_view words);
 std::string unit_name(const Units& units, const UnitPowers& powers);
 inline std::string unit_name(const Units& units, Dimension quantity) { return unit_name(units, unit_powers(quantity)); }
 
-/// "time t [s]", with ² for ^2; without a unit the words alone.
-std::string with_unit(std::string_view words, const Units& units, Dimension quantity);
+/// A unit as pages write it, with ² for ^2.
+std::string squares(std::string unit);
 
-/// "1.25 m/s", for a text of a number; without a unit the number alone.
-std::string in_unit(std::string number, const Units& units, Dimension quantity);
+/// "time t [s]", as pages write it; without a unit the words alone.
+std::string with_unit(std::string_view words, const Units& units, Dimension quantity);
 
 /// The units that are named, as "length: m, time: s"; empty where none is.
 std::string named_units(const Units& units);

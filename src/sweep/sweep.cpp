@@ -4,59 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <utility>
 
 namespace viscobar {
-
-namespace {
-
-const QuantityColumn of_quantities[] = {
-    {"unknowns", "1", "scalars that the method advances"},
-    {"steps", "1", "steps taken"},
-    {"rhs_evaluations", "1", "evaluations of the right-hand side (of the residual for ida)"},
-    {"linear_solves", "1", "linear systems solved"},
-    {"events", "1", "contact changes"},
-    {"reached_time", "time", "where the run ended"},
-    {"max_penetration", "length", "largest penetration of an obstacle"},
-    {"energy_initial", "energy", "energy at t = 0"},
-    {"energy_final", "energy", "energy at the end"},
-    {"energy_dissipated", "energy", "dissipated by viscosity, dashpots, impacts and end rows of the mass"},
-    {"energy_work", "energy", "work of the load"},
-    {"energy_balance_error", "energy", "final + dissipated - initial - work"},
-    {"u_left_final", "length", "u(0,T)"},
-    {"u_left_min", "length", "smallest u(0,t)"},
-    {"u_left_max", "length", "largest u(0,t)"},
-    {"u_right_final", "length", "u(L,T)"},
-    {"u_right_min", "length", "smallest u(L,t)"},
-    {"u_right_max", "length", "largest u(L,t)"},
-    {"closings_left", "1", "contacts at the left obstacle"},
-    {"time_in_contact_left", "time", "time in contact there"},
-    {"impulse_left", "stress x time", "impulse of its reaction"},
-    {"max_reaction_left", "stress", "largest reaction"},
-    {"closings_right", "1", "contacts at the right obstacle"},
-    {"time_in_contact_right", "time", "time in contact there"},
-    {"impulse_right", "stress x time", "impulse of its reaction"},
-    {"max_reaction_right", "stress", "largest reaction"},
-    {"closings_span", "1", "contacts of nodes with the span obstacle"},
-};
-
-const QuantityColumn of_joints[joint_values] = {
-    {"closings", "1", "contacts at the joint"},
-    {"time_in_contact", "time", "time in contact there"},
-    {"impulse", "stress x time", "impulse of the force between its sides"},
-    {"max_reaction", "stress", "largest force"},
-};
-
-const QuantityColumn of_choice[chosen_values] = {
-    {"chosen_elements", "1", "elements of the solution"},
-    {"chosen_tolerance", "1", "its relative tolerance"},
-    {"chosen_step", "time", "its step, of a scheme"},
-    {"chosen_epsilon", "length / stress", "its penalty"},
-};
-
-}  // namespace
 
 std::size_t VariedKey::size() const {
   return std::visit([](const auto& list) { return list.size(); }, values);
@@ -80,11 +31,20 @@ std::vector<std::size_t> SweepPlan::choice(std::size_t index) const {
 }
 
 std::vector<QuantityColumn> SweepPlan::columns() const {
-  std::vector<QuantityColumn> all(std::begin(of_quantities), std::end(of_quantities));
+  const auto own = quantity_columns();
+  std::vector<QuantityColumn> all(own.begin(), own.end());
+  const QuantityColumn of_joint[joint_values] = {{"closings", "1", "contacts at the joint"},
+                                                 {"time_in_contact", "time", "time in contact there"},
+                                                 {"impulse", "stress x time", "impulse of the force between its sides"},
+                                                 {"max_reaction", "stress", "largest force"}};
   for (std::size_t k = 1; k <= joints; ++k)
-    for (const QuantityColumn& column : of_joints)
-      all.push_back({fmt::format("{}_joint:{}", column.name, k), column.unit, column.meaning});
-  if (accuracy) all.insert(all.end(), std::begin(of_choice), std::end(of_choice));
+    for (const auto& [name, unit, meaning] : of_joint)
+      all.push_back({fmt::format("{}_joint:{}", name, k), unit, meaning});
+  if (accuracy)
+    all.insert(all.end(), {{"chosen_elements", "1", "elements of the solution"},
+                           {"chosen_tolerance", "1", "its relative tolerance"},
+                           {"chosen_step", "time", "its step, of a scheme"},
+                           {"chosen_epsilon", "length / stress", "its penalty"}});
   for (const std::string& key : sensitivities)
     for (const std::string_view quantity : differentiated)
       all.push_back({fmt::format("{}/{}", quantity, key), "", "derivative of the one by the other"});
@@ -100,7 +60,39 @@ std::vector<Setting> SweepPlan::settings(std::size_t index) const {
   return all;
 }
 
-std::span<const QuantityColumn, quantities> quantity_columns() { return of_quantities; }
+std::span<const QuantityColumn, quantities> quantity_columns() {
+  static const QuantityColumn of_quantities[] = {
+      {"unknowns", "1", "scalars that the method advances"},
+      {"steps", "1", "steps taken"},
+      {"rhs_evaluations", "1", "evaluations of the right-hand side (of the residual for ida)"},
+      {"linear_solves", "1", "linear systems solved"},
+      {"events", "1", "contact changes"},
+      {"reached_time", "time", "where the run ended"},
+      {"max_penetration", "length", "largest penetration of an obstacle"},
+      {"energy_initial", "energy", "energy at t = 0"},
+      {"energy_final", "energy", "energy at the end"},
+      {"energy_dissipated", "energy", "dissipated by viscosity, dashpots, impacts and end rows of the mass"},
+      {"energy_work", "energy", "work of the load"},
+      {"energy_balance_error", "energy", "final + dissipated - initial - work"},
+      {"u_left_final", "length", "u(0,T)"},
+      {"u_left_min", "length", "smallest u(0,t)"},
+      {"u_left_max", "length", "largest u(0,t)"},
+      {"u_right_final", "length", "u(L,T)"},
+      {"u_right_min", "length", "smallest u(L,t)"},
+      {"u_right_max", "length", "largest u(L,t)"},
+      {"closings_left", "1", "contacts at the left obstacle"},
+      {"time_in_contact_left", "time", "time in contact there"},
+      {"impulse_left", "stress x time", "impulse of its reaction"},
+      {"max_reaction_left", "stress", "largest reaction"},
+      {"closings_right", "1", "contacts at the right obstacle"},
+      {"time_in_contact_right", "time", "time in contact there"},
+      {"impulse_right", "stress x time", "impulse of its reaction"},
+      {"max_reaction_right", "stress", "largest reaction"},
+      {"closings_span", "1", "contacts of nodes with the span obstacle"},
+  };
+  return of_quantities;
+}
+
 double SweepRow::column(std::size_t k) const {
   for (const std::span<const double> list :
        {std::span<const double>(values), std::span(joints), std::span(chosen), std::span(derivatives)}) {

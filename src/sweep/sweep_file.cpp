@@ -227,6 +227,7 @@ void heed_scene(SweepFile& sweep) {
   const SceneEntries entries(sweep.scene_text, sweep.scene_source, sweep.settings);
   sweep.plan.sensitivities = entries.list("sensitivity.of");
   sweep.plan.joints = std::max<std::size_t>(entries.members("bar"), 1) - 1;
+  sweep.units = entries.units();
   // Workers do not know where the scene lies, and read its measured series as they are now.
   for (const SceneKey& key : scene_keys())
     if (entries.series(key.name))

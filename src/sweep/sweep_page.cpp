@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "input/described_scene.hpp"
+#include "input/unit_of_key.hpp"
 #include "report/page.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
@@ -57,6 +58,12 @@ std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
   return found;
 }
 
+NumberText numbers_of(const SweepFile& sweep, NumberText::For reader) {
+  Scene scene;
+  scene.units = sweep.units;
+  return NumberText(reader, scene);
+}
+
 template <class Values, class Text>
 std::string list(const Values& values, Text&& text) {
   std::string all = "[";
@@ -67,6 +74,7 @@ std::string list(const Values& values, Text&& text) {
 std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> rows,
                       const std::vector<std::size_t>& shown) {
   const auto& keys = sweep.plan.keys;
+  const NumberText number = numbers_of(sweep, NumberText::For::page);
   std::string errors, command = fmt::format("viscobar run {}", sweep.scene_source);
   for (const Setting& setting : sweep.settings) command += fmt::format(" --set '{}'", text_of(setting));
   for (std::size_t row = 0; row < rows.size(); ++row)
@@ -79,13 +87,17 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
       return fmt::format("{}", value);
   };
   const auto key_json = [&](const VariedKey& key) {
-    return fmt::format(R"({{"name":{},"values":{}}})", json_string(key.key),
+    return fmt::format(R"({{"name":{},"label":{},"values":{}}})", json_string(key.key),
+                       json_string(number.heading(key.key, unit_of_key(key.key, {}).value_or(UnitPowers{}))),
                        std::visit([&](const auto& values) { return list(values, value_json); }, key.values));
   };
   const std::vector<QuantityColumn> columns = sweep.plan.columns();
   const auto column_json = [&](std::size_t k) {
-    return fmt::format(R"({{"name":{},"unit":{},"meaning":{},"values":{}}})", json_string(columns[k].name),
-                       json_string(columns[k].unit), json_string(columns[k].meaning),
+    const UnitPowers unit = unit_powers(columns[k].unit).value_or(UnitPowers{});
+    const std::string named = number.unit(unit);
+    return fmt::format(R"({{"name":{},"label":{},"unit":{},"meaning":{},"values":{}}})", json_string(columns[k].name),
+                       json_string(number.heading(columns[k].name, unit)),
+                       json_string(named.empty() ? columns[k].unit : named), json_string(columns[k].meaning),
                        plot::json_numbers(
                            rows, [&](const SweepRow* row) { return row->column(k); }, 7));
   };
@@ -103,7 +115,8 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
 
 }  // namespace
 
-Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> rows, std::size_t most) {
+Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> rows, std::size_t most,
+                       NumberText::For reader) {
   using Row = const SweepRow*;
   constexpr std::size_t most_columns = 4;
   const std::vector<Column<Row>> all = sweep_columns(sweep.plan);
@@ -112,14 +125,14 @@ Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> 
   for (const std::size_t k : by_interest(telling_columns(sweep.plan, rows))) {
     if (columns.size() == words + most_columns) break;
     columns.push_back(all[numbers + k]);
-    columns.back().people = [k](Row row, NumberText number) {
+    columns.back().people = [k](Row row, const NumberText& number) {
       if (!row->completed) return std::string("failed");
       return std::isnan(row->column(k)) ? "" : number(row->column(k), 5);
     };
   }
   columns.push_back(timing_columns()[1]);
   rows = rows.first(std::min(rows.size(), most));
-  Table table = table_of(columns, std::vector(rows.begin(), rows.end()), plain_number, words);
+  Table table = table_of(columns, std::vector(rows.begin(), rows.end()), numbers_of(sweep, reader), words);
   for (auto& row : table.rows)
     for (std::string& cell : row) cell = one_line(cell);
   return table;
@@ -140,7 +153,7 @@ std::string sweep_page(const SweepFile& sweep, std::span<const SweepRow* const> 
     page.add("<section><p>Nothing differs from case to case.</p></section>\n");
     return page.html();
   }
-  Table still = sweep_text_table(sweep, rows, 100);
+  Table still = sweep_text_table(sweep, rows, 100, NumberText::For::page);
   for (auto& row : still.rows) row.pop_back();  // a page does not depend on the machine
   still.header.pop_back();
   page.add(fmt::format("<section class=\"still\"><h2>Cases</h2>\n{}</section>\n", html(still)));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "input/unit_of_key.hpp"
 #include "results/output_file.hpp"
 #include "sweep/sweep_table.hpp"
 #include "viscobar/results/versions.hpp"
@@ -91,13 +92,16 @@ std::vector<Column<const SweepRow*>> sweep_columns(const SweepPlan& plan) {
       return std::visit([&](const auto& list) { return cell(list[chosen]); }, plan.keys[k].values);
     };
     columns.push_back({plan.keys[k].key, plan.keys[k].key, value, {}, false, 6});
+    columns.back().unit = unit_of_key(plan.keys[k].key, {}).value_or(UnitPowers{});
   }
   columns.push_back({"completed", "completed", [](Row row) { return Cell(std::size_t{row->completed}); }});
   columns.push_back({"error", "error", [](Row row) { return cell(row->error); }});
   const std::vector<QuantityColumn> numbers = plan.columns();
-  for (std::size_t k = 0; k < numbers.size(); ++k)
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
     columns.push_back({numbers[k].name, numbers[k].name,
                        [k](Row row) { return std::isnan(row->column(k)) ? Cell() : Cell(row->column(k)); }});
+    columns.back().unit = unit_powers(numbers[k].unit).value_or(UnitPowers{});
+  }
   return columns;
 }
 

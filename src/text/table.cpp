@@ -9,9 +9,6 @@
 
 namespace viscobar {
 
-const NumberText plain_number{[](double value, int digits) { return fmt::format("{:.{}g}", value, digits); }};
-const NumberText readable_number{readable};
-
 std::string byte_number(double bytes) {
   if (bytes < 1e3) return fmt::format("{} B", bytes);
   if (bytes < 1e6) return fmt::format("{:.1f} kB", bytes / 1e3);
@@ -40,7 +37,8 @@ std::string html(const Table& table) {
   const auto line = [&](const std::vector<std::string>& row, std::string_view tag) {
     std::string out = "<tr>";
     for (std::size_t c = 0; c < row.size(); ++c)
-      out += fmt::format("<{0}{1}>{2}</{0}>", tag, c < table.words ? " class=\"word\"" : "", escaped(row[c]));
+      out += fmt::format("<{0}{1}>{2}</{0}>", tag, c < table.words ? " class=\"word\"" : "",
+                         escaped(with_readable_numbers(row[c])));
     return out + "</tr>";
   };
   constexpr std::size_t many = 7;

@@ -13,14 +13,6 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// How a table writes its numbers.
-struct NumberText {
-  std::string (*text)(double value, int digits);
-  std::string operator()(double value, int digits = 3) const { return text(value, digits); }
-};
-extern const NumberText plain_number;     ///< for the terminal: 1.23e-05
-extern const NumberText readable_number;  ///< for a page: powers of ten
-
 std::string byte_number(double bytes);  ///< with the unit that suits it: 512 B, 75.2 kB, 1.3 GB
 
 std::string text(const Table& table);

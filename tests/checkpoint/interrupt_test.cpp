@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 
 #include "checkpoint/process.hpp"
@@ -52,8 +53,8 @@ class Interrupts : public testing::Test {
     for (int k = 0; k <= 400; ++k) data << 0.1 * k << "," << -0.1 * std::min(k, 1) << "\n";
   }
 
-  /// Sends SIGINT in the midst of the work of a command, which ends with code 130 and a word.
-  void expect_heard(const std::vector<std::string>& arguments) {
+  /// Sends a signal in the midst of the work of a command, which ends with code 130 and a word.
+  void expect_heard(const std::vector<std::string>& arguments, int signal = SIGINT) {
     std::string words;
     for (const std::string& argument : arguments) words += argument + " ";
     SCOPED_TRACE(words);
@@ -64,7 +65,7 @@ class Interrupts : public testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     ASSERT_FALSE(process.ended()) << read_text(scratch / "err.txt");
     const double at_signal = process.processor_seconds();
-    process.signal(SIGINT);
+    process.signal(signal);
     EXPECT_EQ(process.wait(), 130);
     // Processor time, as other programs may have the machine.
     EXPECT_LT(of_children() - before - at_signal, 2.0 * slower);
@@ -87,6 +88,25 @@ TEST_F(Interrupts, AreHeardByARunOfEachMethodOnAFineMesh) {
     expect_heard({"run", scene, "--set", std::string("method.name=") + method, "--no-estimate", "-q", "-o", "out"});
 }
 
+// A terminal that closes, kill(1) and batch systems send them. Other signals end the program; what was whole stays so.
+TEST_F(Interrupts, AreAlsoSignalsOfTheSystem) {
+  ASSERT_EQ(Process(scratch.path(), {"run", "fine.toml", "--set", "mesh.elements=20", "-q", "-o", "out"}).wait(), 0);
+  const std::vector<std::string> run = {"run", "fine.toml", "--no-estimate", "-q", "-o", "out"};
+  for (const int signal : {SIGTERM, SIGHUP, SIGUSR1, SIGXCPU}) {
+    expect_heard(run, signal);
+    expect_heard({"compare", "long.toml", "-q", "-o", "study"}, signal);
+  }
+  const std::string before = read_text(scratch / "out/summary.json");
+  for (const int signal : {SIGUSR2, SIGQUIT, SIGKILL}) {
+    Process process(scratch.path(), run);
+    while (!process.ended() && process.processor_seconds() < 0.5)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.signal(signal);
+    EXPECT_EQ(process.wait(), -signal);
+    EXPECT_EQ(read_text(scratch / "out/summary.json"), before);
+  }
+}
+
 TEST_F(Interrupts, AreHeardByEachCommand) {
   for (const std::string scene : {"fine.toml", "long.toml"}) {
     expect_heard({"run", scene, "--error", "1e-12", "--set", "contact.epsilon=", "-q", "-o", "out"});
@@ -97,6 +117,13 @@ TEST_F(Interrupts, AreHeardByEachCommand) {
                   "mesh.elements=100000", "--set", "time.end=40", "-q", "-o", "study"});
   }
   expect_heard({"sweep", "sweep.toml", "-q", "-o", "sweep"});
+  std::vector<std::string> run = {"run", "elastic.toml", "--no-estimate", "-q", "-o", "whole"};
+  for (const char* setting :
+       {"mesh.elements=20000", "time.end=40", "output.every=0.1", "method.name=fully_discrete", "method.step=0.02"})
+    run.insert(run.end(), {"--set", setting});
+  ASSERT_EQ(Process(scratch.path(), run).wait(), 0) << read_text(scratch / "err.txt");
+  expect_heard({"export", "whole", "-q", "-o", "exported"});
+  EXPECT_FALSE(std::filesystem::exists(scratch / "exported/.viscobar.export"));
   expect_heard({"check", "stiff.toml"});
 }
 

@@ -117,9 +117,18 @@ class EndsTest(Test):
         values = np.ma.array(np.where(hidden, 1e9, np.sin(t)), mask=hidden)
         masked, short = (bar({"kind": "free", "force": force}) for force in ((t, values), (t[~hidden], np.sin(t)[~hidden])))
         self.assertTrue(np.array_equal(masked.u, short.u))
-        with self.assertRaises(viscobar.SceneError) as caught:
-            viscobar.Scene({**thrown(), "left": {"kind": "free", "force": (t, np.exp(1j * t))}})
-        self.assertIn("left.force: has samples that are complex numbers", str(caught.exception))
+        table = bar({"kind": "free", "force": {"t": np.ma.array(t, mask=hidden), "values": np.sin(t)}})
+        self.assertTrue(np.array_equal(table.u, short.u))
+        for force, words in (
+            ((t, np.exp(1j * t)), "samples that are no numbers: complex numbers"),
+            ({"t": t, "values": np.exp(1j * t)}, "samples that are no numbers: complex numbers"),
+            ((t, [np.zeros(2), *np.sin(t[1:])]), "samples that are no numbers"),
+            ({"t": t, "values": np.zeros((16, 1))}, "samples of the shape (16, 1)"),
+            ((t, np.zeros((16, 1))), "samples of the shape (16, 1)"),
+        ):
+            with self.assertRaises(viscobar.SceneError) as caught:
+                viscobar.Scene({**thrown(), "left": {"kind": "free", "force": force}})
+            self.assertIn("left.force: has " + words, str(caught.exception))
 
     def test_what_is_wrong_is_said_with_the_key(self):
         good = np.linspace(0.0, 3.0, 7)

@@ -18,7 +18,7 @@ struct Row {
 std::vector<Column<Row>> columns() {
   return {column("word", "a word", &Row::word),
           {"count", "how many", [](const Row& row) { return cell(row.count); },
-           [](const Row& row, NumberText) { return fmt::format("{} of 9", row.count); }},
+           [](const Row& row, const NumberText&) { return fmt::format("{} of 9", row.count); }},
           column("number", "number", &Row::number),
           column("perhaps", "perhaps", &Row::perhaps, true),
           {"null", "null", [](const Row&) { return Cell(); }}};
@@ -38,7 +38,7 @@ TEST(Columns, JsonLeavesOutWhatIsOptionalAndAbsentAndSaysNullOtherwise) {
 }
 
 TEST(Columns, ATableHasAFewDigitsAndNoColumnThatNoRowHas) {
-  const Table table = table_of(columns(), rows, plain_number, 1);
+  const Table table = table_of(columns(), rows, NumberText(NumberText::For::terminal), 1);
   EXPECT_EQ(table.header, (std::vector<std::string>{"a word", "how many", "number", "null"}));
   EXPECT_EQ(table.rows[0], (std::vector<std::string>{"plain", "3 of 9", "0.1", ""}));
   EXPECT_EQ(table.rows[1], (std::vector<std::string>{"with, a \"comma\"", "0 of 9", "0.333", ""}));

@@ -78,7 +78,7 @@ TEST(SweepTextTable, HasTheKeysAndTheColumnsThatDiffer) {
   const Scratch scratch;
   const SweepFile sweep = two_keys(scratch);
   const Swept all = swept(sweep);
-  const Table table = sweep_text_table(sweep, all.pointers, 4);
+  const Table table = sweep_text_table(sweep, all.pointers, 4, NumberText::For::terminal);
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_EQ(table.header[1], "left.gap");
   EXPECT_EQ(table.rows[2][1], "0.2");

@@ -62,7 +62,7 @@ PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& 
 /// The output of `viscobar fit` as JSON.
 std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitResult& result);
 /// The same for the terminal.
-std::string fit_text(const FitStudy& study, const FitResult& result);
+std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitResult& result);
 /// The same as a page with pictures.
 PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result);
 

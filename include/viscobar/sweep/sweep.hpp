@@ -145,6 +145,7 @@ struct SweepFile {
   std::string scene_text;         ///< the scene itself, so that every worker runs the same
   std::vector<Setting> settings;  ///< for all cases: [set], then those of the command line
   SweepPlan plan;                 ///< keys that vary, and their values
+  Units units{};                  ///< those that the scene names
 
   /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
   std::map<std::string, Diagnostic, std::less<>> places;

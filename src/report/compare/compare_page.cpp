@@ -49,9 +49,13 @@ std::vector<Point> trace(const Recording& recording, Value value) {
   return line.points();
 }
 
+std::string in_unit(const Comparison& check, std::string_view words, auto quantity) {
+  return NumberText(NumberText::For::page, check.runs[*check.reference].setup.run.scene).heading(words, quantity);
+}
+
 Axis time_axis(const Comparison& check) {
   const std::vector<double>& times = check.runs[*check.reference].recording->times;
-  return {.label = "time t", .low = times.front(), .high = times.back(), .link = "t"};
+  return {.label = in_unit(check, "time t", Dimension::time), .low = times.front(), .high = times.back(), .link = "t"};
 }
 
 /// A line of each method and the range of them all.
@@ -88,7 +92,7 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
     const std::vector<ObstacleLevel> levels = levels_of(surface.empty() ? end.obstacle() : nullptr);
     const bool shown = !levels.empty() && traces.range.reach(levels.front().u);
     const std::string axis = left ? "u(0, t)" : "u(L, t)";
-    Figure figure(time_axis(check), traces.range.axis(axis), 240.0);
+    Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::length)), 240.0);
     if (shown) figure.level(levels.front().u, {"var(--ink)", true, 1.2}, "obstacle");
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     traces.draw(figure);
@@ -122,7 +126,9 @@ Picture differences_picture(const Comparison& check) {
   }
   if (!(high > 0.0)) return {};
   // Equal but for rounding at the start: the picture needs not show how equal.
-  Figure figure(time_axis(check), plot::fitted_decades("difference, L2 norm", std::max(low, 1e-9 * high), high), 300.0);
+  Figure figure(time_axis(check),
+                plot::fitted_decades(in_unit(check, "difference, L2 norm", u_norm), std::max(low, 1e-9 * high), high),
+                300.0);
   for (std::size_t i = 0; i < runs.size(); ++i) figure.line(lines[i], style(*runs[i], 1.6), label(*runs[i]));
   return {"Difference to " + label(reference),
           "‖<i>u</i> − <i>u</i><sub>" + label(reference) + "</sub>‖ in <i>L</i>² over the bar, at the output times.",
@@ -176,7 +182,7 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
     });
     traces.range.add(0.0);
     const std::string axis = fmt::format("reaction, {}", end.name);
-    Figure figure(time_axis(check), traces.range.axis(axis), 240.0);
+    Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::stress)), 240.0);
     traces.draw(figure);
     panels.push_back({fmt::format("reaction-{}", end.name), "Reaction over time by each method: " + axis, figure});
   }
@@ -193,7 +199,7 @@ Picture difference_map(const Comparison& check) {
   for (std::size_t k = 0; k < first.times.size(); ++k)
     field.add_each(first.times[k],
                    [a = first.displacement(k), b = other.displacement(k)](std::size_t j) { return b[j] - a[j]; });
-  const FieldColours colours = colours_of(field, "difference");
+  const FieldColours colours = colours_of(field, in_unit(check, "difference", Dimension::length));
   const Case& run = runs[0]->setup.run;
   return {"Difference over space and time",
           fmt::format("<i>u</i> of {} less that of {}.", escaped(label(*runs[1])), escaped(label(*runs[0]))) +
@@ -290,25 +296,27 @@ std::string compare_csv(const Comparison& check) {
 }
 
 std::string compare_text(const MethodChoice& choice, const Comparison& check) {
-  std::string out = "Methods\n" + text(method_table(check, plain_number));
-  if (const Table differences = difference_table(check, plain_number); !differences.rows.empty())
+  const NumberText number(NumberText::For::terminal, check.runs.front().setup.run.scene);
+  std::string out = "Methods\n" + text(method_table(check, number));
+  if (const Table differences = difference_table(check, number); !differences.rows.empty())
     out +=
         fmt::format("\nDifference to {}: largest over time\n", label(check.runs[*check.reference])) + text(differences);
-  out += contact_text(check);
+  out += contact_text(check, number);
   out += "\n";
   for (const std::string& remark : remarks(choice, check)) out += fmt::format("  note: {}\n", remark);
   return out;
 }
 
 PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
+  const NumberText number(NumberText::For::page, scene);
   Page page = Page::of_study(scene, choice.cases.empty() ? ", results beside each other" : ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
-      page.add_head(
-          fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", label(run), escaped(run.error)));
-  page.add_section(choice.cases.empty() ? "Runs" : "Methods", html(method_table(check, readable_number)));
+      page.add_head(fmt::format("<p class=\"failed\"><b>{} did not complete.</b> {}</p>\n", escaped(label(run)),
+                                sentence_html(run.error)));
+  page.add_section(choice.cases.empty() ? "Runs" : "Methods", html(method_table(check, number)));
   if (!check.reference) return page.with_figures();
-  if (const Table differences = difference_table(check, readable_number); !differences.rows.empty())
+  if (const Table differences = difference_table(check, number); !differences.rows.empty())
     page.add_section("Difference to " + label(check.runs[*check.reference]),
                      html(differences) +
                          "<p class=\"note\">Largest over the output times; changes matched: place by place and in "
@@ -319,7 +327,7 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
   page.add(difference_map(check));
   page.add(contacts_picture(scene, check));
   page.add(reactions_picture(scene, check));
-  if (const Table contacts = contact_table(check, readable_number); !contacts.rows.empty())
+  if (const Table contacts = contact_table(check, number); !contacts.rows.empty())
     page.add_section("Contact periods",
                      html(contacts) +
                          "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "

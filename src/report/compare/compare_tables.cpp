@@ -18,10 +18,10 @@ constexpr std::size_t most_contacts = 30;
 
 std::string count(std::size_t value) { return fmt::format("{}", value); }
 
-std::string settings(const MethodRun& method, NumberText number) {
+std::string settings(const MethodRun& method, const NumberText& number) {
   const Case& run = method.setup.run;
   if (!method.built_in) return "";
-  if (is_scheme(run.method)) return "step " + number(method.setup.step);
+  if (is_scheme(run.method)) return "step " + number(method.setup.step, Dimension::time);
   if (is_adaptive(run.method)) return "tolerance " + number(run.tolerance.relative);
   return "";
 }
@@ -56,12 +56,19 @@ std::function<Cell(const ComparedRun&)> of_difference(auto Difference::*member) 
 
 const std::vector<Column<ComparedRun>>& compare_columns() {
   using Row = ComparedRun;
-  constexpr int digits_of_energy = 5;
+  const auto energy = [](const char* key, const char* heading, double EnergyAccount::*member) {
+    Column<Row> column{key, heading, of_energy(member)};
+    column.digits = 5;
+    return std::move(column).in(Dimension::energy);
+  };
+  const auto difference = [](const char* key, const char* heading, auto Difference::*member) {
+    return Column<Row>{key, heading, of_difference(member)};
+  };
   static const std::vector<Column<Row>> columns = {
       {"method", "method", [](const Row& row) { return cell(row.run->label); }},
       {"mass", "mass", [](const Row& row) { return cell(name(row.run->setup.mass)); }},
       {"settings", "settings", [](const Row&) { return Cell(); },
-       [](const Row& row, NumberText number) { return settings(*row.run, number); }, true},
+       [](const Row& row, const NumberText& number) { return settings(*row.run, number); }, true},
       of_setup("step", is_scheme, [](const Setup& of) { return of.step; }),
       of_setup("relative_tolerance", is_adaptive, [](const Setup& of) { return of.run.tolerance.relative; }),
       of_setup("epsilon", is_penalised,
@@ -69,21 +76,22 @@ const std::vector<Column<ComparedRun>>& compare_columns() {
       {"steps", "steps", of_recording([](const Recording& of) { return of.statistics.steps; })},
       {"seconds", "seconds", of_recording([](const Recording& of) { return of.statistics.integration_seconds; })},
       {"events", "changes", of_recording([](const Recording& of) { return of.events.size(); })},
-      {"max_penetration", "penetration",
-       of_recording([](const Recording& of) { return of.statistics.max_penetration; })},
-      {"energy_final", "final energy", of_energy(&EnergyAccount::final), {}, false, digits_of_energy},
-      {"energy_dissipated", "dissipated", of_energy(&EnergyAccount::dissipated), {}, false, digits_of_energy},
-      {"displacement_l2", "u, L2", of_difference(&Difference::displacement_l2)},
-      {"displacement_h1", "u, H1", of_difference(&Difference::displacement_h1)},
-      {"velocity_l2", "v, L2", of_difference(&Difference::velocity_l2)},
-      {"end_trace", "end trace", of_difference(&Difference::end_trace)},
+      Column<Row>{"max_penetration", "penetration",
+                  of_recording([](const Recording& of) { return of.statistics.max_penetration; })}
+          .in(Dimension::length),
+      energy("energy_final", "final energy", &EnergyAccount::final),
+      energy("energy_dissipated", "dissipated", &EnergyAccount::dissipated),
+      difference("displacement_l2", "u, L2", &Difference::displacement_l2).in(u_norm),
+      difference("displacement_h1", "u, H1", &Difference::displacement_h1).in(strain_norm),
+      difference("velocity_l2", "v, L2", &Difference::velocity_l2).in(v_norm),
+      difference("end_trace", "end trace", &Difference::end_trace).in(Dimension::length),
       {"events_matched", "changes matched", of_difference(&Difference::events_matched),
-       [](const Row& row, NumberText) {
+       [](const Row& row, const NumberText&) {
          const Difference& d = *row.difference;
          return fmt::format("{} of {}, {}", d.events_matched, d.events, d.events_other);
        }},
-      {"largest_event_shift", "largest shift", of_difference(&Difference::largest_event_shift)},
-      {"energy_difference", "final energy", of_difference(&Difference::energy_final)},
+      difference("largest_event_shift", "largest shift", &Difference::largest_event_shift).in(Dimension::time),
+      difference("energy_difference", "final energy", &Difference::energy_final).in(Dimension::energy),
       {"error", "error", [](const Row& row) { return cell(row.run->error); }}};
   return columns;
 }
@@ -94,7 +102,7 @@ std::vector<ComparedRun> compared_runs(const Comparison& check, const Difference
   return rows;
 }
 
-Table method_table(const Comparison& check, NumberText number) {
+Table method_table(const Comparison& check, const NumberText& number) {
   Table table = table_of(pick(compare_columns(), {"method", "mass", "settings", "steps", "seconds", "events",
                                                   "max_penetration", "energy_final", "energy_dissipated"}),
                          compared_runs(check, [](std::size_t) { return nullptr; }), number, 3);
@@ -103,11 +111,11 @@ Table method_table(const Comparison& check, NumberText number) {
   return table;
 }
 
-Table difference_table(const Comparison& check, NumberText number) {
+Table difference_table(const Comparison& check, const NumberText& number) {
   return difference_table(check, number, "method", [&](std::size_t run) { return check.to_reference(run); });
 }
 
-Table difference_table(const Comparison& check, NumberText number, const std::string& what,
+Table difference_table(const Comparison& check, const NumberText& number, const std::string& what,
                        const DifferenceOf& difference) {
   std::vector<ComparedRun> rows = compared_runs(check, difference);
   std::erase_if(rows, [](const ComparedRun& row) { return !row.difference; });
@@ -119,8 +127,11 @@ Table difference_table(const Comparison& check, NumberText number, const std::st
   return table;
 }
 
-Table contact_table(const Comparison& check, NumberText number) {
-  Table table{{"where", "method", "begin", "end", "impulse", "bounces"}, 2, {}};
+Table contact_table(const Comparison& check, const NumberText& number) {
+  Table table{{"where", "method", number.heading("begin", Dimension::time), number.heading("end", Dimension::time),
+               number.heading("impulse", Dimension::impulse), "bounces"},
+              2,
+              {}};
   if (!check.reference) return table;
   // Each period of the reference with those that match it; what has no match stands alone, where its time puts it.
   struct Group {
@@ -152,8 +163,8 @@ Table contact_table(const Comparison& check, NumberText number) {
   return table;
 }
 
-std::string contact_text(const Comparison& check) {
-  const Table contacts = contact_table(check, plain_number);
+std::string contact_text(const Comparison& check, const NumberText& number) {
+  const Table contacts = contact_table(check, number);
   if (contacts.rows.empty()) return {};
   return "\nContact periods, bounces within a hundredth of the run counted as one\n" + text(contacts);
 }
@@ -165,8 +176,8 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
   for (const MethodName method : choice.default_step)
     for (const Case& run : choice.cases)
       if (run.method == method)
-        found.push_back(fmt::format("{} took the step h / (100 c) = {:.4g}: the scene has no method.step", name(method),
-                                    *run.step));
+        found.push_back(fmt::format("{} took the step h / (100 c) = {}: the scene has no method.step", name(method),
+                                    NumberText(NumberText::For::terminal, run.scene)(*run.step, Dimension::time, 4)));
   for (const auto& [method, reason] : choice.skipped)
     found.push_back(fmt::format("{} was left out: {}", name(method), reason));
   std::map<Mass, std::string> masses;

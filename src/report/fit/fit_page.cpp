@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "input/unit_of_key.hpp"
 #include "report/measured.hpp"
+#include "report/number_text.hpp"
 #include "report/page.hpp"
-#include "text/number.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"
@@ -81,17 +82,19 @@ std::string verdict(const FitResult& result) {
                      result.converged ? "Converged" : "Not converged", result.reason, result.residual, freedom);
 }
 
-Table estimates(const FitResult& result) {
+Table estimates(const Scene& scene, const FitResult& result, const NumberText& number) {
   Table table{{"parameter", "estimate", "standard deviation"}, 1, {}};
-  for (const Estimate& one : result.parameters)
-    table.rows.push_back({one.key, fmt::format("{:.8g}", one.estimate),
-                          std::isfinite(one.standard_deviation) ? fmt::format("{:.2g}", one.standard_deviation)
+  for (const Estimate& one : result.parameters) {
+    const UnitPowers unit = unit_of_key(one.key, scene).value_or(UnitPowers{});
+    table.rows.push_back({one.key, number(one.estimate, unit, 8),
+                          std::isfinite(one.standard_deviation) ? number(one.standard_deviation, unit, 2)
                           : one.at_bound                        ? "at its bound"
                                                                 : "not determined"});
+  }
   return table;
 }
 
-Picture traces_picture(const FitStudy& study, const FitResult& result) {
+Picture traces_picture(const FitStudy& study, const FitResult& result, const NumberText& number) {
   Picture picture{
       "Data and model",
       "Markers are measured, the line is the model with the estimates. Below each, what is left: model less data."};
@@ -102,15 +105,16 @@ Picture traces_picture(const FitStudy& study, const FitResult& result) {
     for (std::size_t k = 0; k < left.size(); ++k) left[k] = result.traces[i][k] - data.values[k];
     const auto measured = plot::points_of(study.times, data.values);
     const auto model = plot::points_of(study.times, result.traces[i]), residual = plot::points_of(study.times, left);
-    const plot::Axis t = plot::fitted("t", 0.0, study.times.back());
+    const UnitPowers unit = unit_of_trace(column);
+    const plot::Axis t = plot::fitted(number.heading("t", Dimension::time), 0.0, study.times.back());
     plot::Range all{0.0, 0.0}, of_rest{0.0, 0.0};
     all.add(measured);
     all.add(model);
     of_rest.add(residual);
-    plot::Figure both(t, all.axis(column));
+    plot::Figure both(t, all.axis(number.heading(column, unit)));
     both.markers(measured, plot::series_colour(1), "measured");
     both.line(model, {plot::series_colour(0)}, "model");
-    plot::Figure rest(t, of_rest.axis("model - data"), 160.0);
+    plot::Figure rest(t, of_rest.axis(number.heading("model − data", unit)), 160.0);
     rest.level(0.0, {"var(--soft)", true, 1.0});
     rest.markers(residual, plot::series_colour(1), "residual");
     picture.panels.push_back({"fit-" + column, column + ", measured and of the model", both});
@@ -166,29 +170,32 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   return study_json(std::move(json), remarks(study, result), scene);
 }
 
-std::string fit_text(const FitStudy& study, const FitResult& result) {
+std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const NumberText number(NumberText::For::terminal, scene.run.scene);
   std::string out;
   for (const std::string& line : study.understood) out += line + ".\n";
-  out += (out.empty() ? "" : "\n") + text(estimates(result));
+  out += (out.empty() ? "" : "\n") + text(estimates(scene.run.scene, result, number));
   out += fmt::format("\n{}.\n{} numbers, {} runs of the model.\n", verdict(result), result.measured, result.runs);
-  for (std::size_t i = 0; i < study.traces.size(); ++i)
-    out += fmt::format("{}: root mean square of model less data {:.3g}.\n",
-                       name(study.traces[i].column, study.traces[i].place),
-                       root_mean_square(study.traces[i], result.traces[i]));
+  for (std::size_t i = 0; i < study.traces.size(); ++i) {
+    const std::string column = name(study.traces[i].column, study.traces[i].place);
+    out += fmt::format("{}: root mean square of model less data {}.\n", column,
+                       number(root_mean_square(study.traces[i], result.traces[i]), unit_of_trace(column)));
+  }
   for (const std::string& line : remarks(study, result)) out += line + ".\n";
   return out;
 }
 
 PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const NumberText number(NumberText::For::page, scene.run.scene);
   Page page = Page::of_study(scene.run.scene, ": fit");
   page.add_head(notes_html({verdict(result)}));
-  page.add_head(html(estimates(result)));
+  page.add_head(html(estimates(scene.run.scene, result, number)));
   Numbers numbers;
   numbers.add("Numbers measured", result.measured);
   numbers.add("Runs of the model", result.runs);
-  numbers.add("Residual", readable(result.residual, 3), "in the standard deviations of the data");
+  numbers.add("Residual", number(result.residual), "in the standard deviations of the data");
   page.add(numbers.html("The fit"));
-  page.add(traces_picture(study, result));
+  page.add(traces_picture(study, result, number));
   const std::vector<std::string> notes = remarks(study, result);
   if (!notes.empty()) page.add_section("What speaks against it, and what the data do not tell", notes_html(notes));
   if (!study.understood.empty()) page.add_section("The data", notes_html(study.understood));

@@ -7,9 +7,9 @@
 
 #include "report/judge/judge_request.hpp"
 #include "report/measured.hpp"
+#include "report/number_text.hpp"
 #include "report/page.hpp"
 #include "results/csv.hpp"
-#include "text/number.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -30,27 +30,32 @@ JudgeStudy with_short_labels(JudgeStudy study) {
 }
 
 // A difference, or the most it can be where our own error explains it.
-std::string told(double difference, const std::optional<double>& own, NumberText number) {
-  return !own || difference > 2.0 * *own || *own == 0.0 ? number(difference) : "at most " + number(difference + *own);
+std::string told(double difference, const std::optional<double>& own, const UnitPowers& unit,
+                 const NumberText& number) {
+  return !own || difference > 2.0 * *own || *own == 0.0 ? number(difference, unit)
+                                                        : "at most " + number(difference + *own, unit);
 }
 
-Table distances(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
-  Table table{{"solution", "quantity", "largest difference", "at t", "of the largest value", "our own error", "mean",
-               "our own", "order"},
+Table distances(const JudgeStudy& study, const JudgeResult& judgement, const NumberText& number) {
+  Table table{{"solution", "quantity", "largest difference", number.heading("at t", Dimension::time),
+               "of the largest value", "our own error", "mean", "our own", "order"},
               2,
               {}};
-  const auto own = [number](const std::optional<double>& error) { return error ? number(*error) : "not known"; };
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
-    for (const JudgedColumn& column : judgement.solutions[s].columns)
+    for (const JudgedColumn& column : judgement.solutions[s].columns) {
+      const UnitPowers unit = unit_of_trace(column.name);
+      const auto own = [&](const std::optional<double>& error) { return error ? number(*error, unit) : "not known"; };
       table.rows.push_back(
-          {study.solutions[s].label, column.name, told(column.largest, column.own_error, number), number(column.at, 5),
+          {study.solutions[s].label, column.name, told(column.largest, column.own_error, unit, number),
+           number(column.at, 5),
            column.size > 10.0 * column.own_error.value_or(0.0) ? number(column.largest / column.size) : "",
-           own(column.own_error), told(column.mean, column.own_mean, number), own(column.own_mean),
+           own(column.own_error), told(column.mean, column.own_mean, unit, number), own(column.own_mean),
            column.order ? fmt::format("{:.2f}", *column.order) : ""});
+    }
   return table;
 }
 
-std::string interval(const std::optional<double>& begin, const std::optional<double>& end, NumberText number) {
+std::string interval(const std::optional<double>& begin, const std::optional<double>& end, const NumberText& number) {
   return begin && end ? fmt::format("{} to {}", number(*begin, 6), number(*end, 6)) : "none";
 }
 
@@ -60,12 +65,13 @@ std::string place_of(const JudgedContact& contact) {
 }
 
 // Words for a contact: its verdict, or by how much theirs is late or longer, if samples can tell.
-std::string said(const JudgedContact& contact, double sample, NumberText number) {
+std::string said(const JudgedContact& contact, double sample, const NumberText& number) {
   if (contact.verdict != ContactVerdict::found) return std::string(name(contact.verdict));
   std::string words;
   const auto add = [&](double by, double told, const char* more, const char* less) {
     if (std::abs(by) > std::max(told, 2.0 * contact.own_error.value_or(0.0)))
-      words += fmt::format("{}{} by {}", words.empty() ? "" : ", ", by > 0.0 ? more : less, number(std::abs(by)));
+      words += fmt::format("{}{} by {}", words.empty() ? "" : ", ", by > 0.0 ? more : less,
+                           number(std::abs(by), Dimension::time));
   };
   add(*contact.delay(), more_than * sample, "late", "early");
   add(*contact.longer(), 2.0 * more_than * sample, "longer", "shorter");
@@ -75,8 +81,10 @@ std::string said(const JudgedContact& contact, double sample, NumberText number)
   return words;
 }
 
-Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
-  Table table{{"solution", "where", "the bar's contact", "our own error", "theirs", ""}, 6, {}};
+Table contacts(const JudgeStudy& study, const JudgeResult& judgement, const NumberText& number) {
+  const auto of_time = [&](const char* words) { return number.heading(words, Dimension::time); };
+  Table table{
+      {"solution", "where", of_time("the bar's contact"), of_time("our own error"), of_time("theirs"), ""}, 6, {}};
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s)
     for (const JudgedContact& contact : judgement.solutions[s].contacts)
       table.rows.push_back({study.solutions[s].label, place_of(contact), interval(contact.begin, contact.end, number),
@@ -92,7 +100,7 @@ Table contacts(const JudgeStudy& study, const JudgeResult& judgement, NumberText
   return table;
 }
 
-std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& judgement, NumberText number) {
+std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& judgement, const NumberText& number) {
   std::vector<std::string> all;
   bool ordered = false;
   for (std::size_t s = 0; s < judgement.solutions.size(); ++s) {
@@ -110,31 +118,32 @@ std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& j
     for (const JudgedContact& contact : judged.contacts)
       if (const double delay = contact.delay().value_or(0.0); std::abs(delay) > std::abs(most)) most = delay;
     if (std::abs(most) > more_than * judged.sample)
-      all.push_back(fmt::format("{}: its contacts come up to {} {}", label, number(std::abs(most)),
+      all.push_back(fmt::format("{}: its contacts come up to {} {}", label, number(std::abs(most), Dimension::time),
                                 most > 0.0 ? "late" : "early"));
     if (judged.energy_drift)
       all.push_back(fmt::format(
-          "{}: its energy at the places with u and v is off by {} at most{}", label, number(*judged.energy_drift),
+          "{}: its energy at the places with u and v is off by {} at most{}", label,
+          number(*judged.energy_drift, Dimension::energy),
           judged.energy_share ? fmt::format(", {} of the bar's largest", number(*judged.energy_share)) : ""));
     for (const JudgedColumn& column : judged.columns) {
       ordered = ordered || column.order;
       if (!column.told_apart())
         all.push_back(fmt::format("{}: {} cannot be told from the bar's: our own error is {}", label, column.name,
-                                  number(*column.own_distance())));
+                                  number(*column.own_distance(), unit_of_trace(column.name))));
     }
   }
   if (ordered)
     all.emplace_back(
         "The order is that of the largest difference of displacements, and of the mean of all else, which jumps");
   const Case& run = judgement.run;
-  all.push_back(
-      fmt::format("Ours is by {} on {} elements; its displacements are right to {}; no better one was made, for {}",
-                  name(run.method), run.elements, number(judgement.estimate.total), judgement.reason));
+  all.push_back(fmt::format(
+      "Ours is by {} on {} elements; its displacements are right to {}; no better one was made, for {}",
+      name(run.method), run.elements, number(judgement.estimate.total, Dimension::length), judgement.reason));
   return all;
 }
 
 // A quantity of all solutions that have it, together.
-Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
+Picture curves(const JudgeStudy& study, const JudgeResult& judgement, const NumberText& number) {
   Picture picture{"Theirs and the bar's",
                   "Markers are theirs, the line is the bar. Below, the difference: theirs less the bar's."};
   std::vector<std::string> names;
@@ -162,8 +171,10 @@ Picture curves(const JudgeStudy& study, const JudgeResult& judgement) {
       of_rest.add(all.back().difference);
       times.add(t);
     }
-    const plot::Axis t = plot::fitted("t", times.low, times.high);
-    plot::Figure both(t, range.axis(name)), difference(t, of_rest.axis("difference"), 160.0);
+    const plot::Axis t = plot::fitted(number.heading("t", Dimension::time), times.low, times.high);
+    const UnitPowers unit = unit_of_trace(name);
+    plot::Figure both(t, range.axis(number.heading(name, unit)));
+    plot::Figure difference(t, of_rest.axis(number.heading("difference", unit)), 160.0);
     for (std::size_t k = 0; k < all.size(); ++k) {
       both.markers(all[k].theirs, plot::series_colour(k + 1), all[k].label);
       difference.line(all[k].difference, {plot::series_colour(k + 1)}, all[k].label);
@@ -235,25 +246,27 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
 
 std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
+  const NumberText number(NumberText::For::terminal, asked.scene.run.scene);
   std::string out;
   for (const std::string& line : asked.understood) out += line + ".\n";
-  out += "\n" + text(distances(study, judgement, plain_number));
-  const Table table = contacts(study, judgement, plain_number);
+  out += "\n" + text(distances(study, judgement, number));
+  const Table table = contacts(study, judgement, number);
   if (!table.rows.empty()) out += "\n" + text(table);
   out += "\n";
-  for (const std::string& line : sentences(study, judgement, plain_number)) out += line + ".\n";
+  for (const std::string& line : sentences(study, judgement, number)) out += line + ".\n";
   for (const std::string& line : asked.doubts) out += line + ".\n";
   return out;
 }
 
 PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
+  const NumberText number(NumberText::For::page, asked.scene.run.scene);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
-  page.add_head(notes_html(sentences(study, judgement, readable_number)));
-  page.add_section("Distances", html(distances(study, judgement, readable_number)));
-  const Table table = contacts(study, judgement, readable_number);
+  page.add_head(notes_html(sentences(study, judgement, number)));
+  page.add_section("Distances", html(distances(study, judgement, number)));
+  const Table table = contacts(study, judgement, number);
   if (!table.rows.empty()) page.add_section("Contacts", html(table));
-  page.add(curves(study, judgement));
+  page.add(curves(study, judgement, number));
   std::vector<std::string> notes = asked.understood;
   notes.insert(notes.end(), asked.doubts.begin(), asked.doubts.end());
   page.add_section("The files", notes_html(notes));

@@ -58,11 +58,12 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
   const LimitOrders& orders = result.orders[mesh];
   const auto rows = rows_of(result, mesh);
   const LimitTheory powers = theory(study);
+  const NumberText number(NumberText::For::terminal, study.scene.scene);
   const auto epsilon = [&](std::size_t i) { return rows[i].epsilon; };
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
-               {"reason", verdict_reason(study, result, mesh)},
-               {"sentence", limit_sentence(orders)},
+               {"reason", verdict_reason(study, result, mesh, number)},
+               {"sentence", limit_sentence(orders, number)},
                {"boundary", orders.boundary},
                {"small_epsilon",
                 {{"penetration", detailed(orders.penetration, epsilon)},
@@ -108,39 +109,41 @@ Json to_json(const std::optional<OwnMotion>& of) {
           {"meshes", json_of(own_motion_columns(), of->meshes)}};
 }
 
-std::string head(const LimitStudy& study, const LimitResult& result) {
+std::string head(const LimitStudy& study, const LimitResult& result, const NumberText& number) {
   std::string out;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
     const std::string mesh = result.orders.size() > 1 ? fmt::format(" on {} elements", orders.elements) : "";
     out += fmt::format("<p class=\"verdict {0}\"><b>{0}{1}</b>: {2}.</p>\n", name(orders.verdict), mesh,
-                       escaped(verdict_reason(study, result, m)));
+                       sentence_html(verdict_reason(study, result, m, number)));
   }
   return out;
 }
 
-std::string numbers(const LimitStudy& study, const LimitResult& result) {
+std::string numbers(const LimitStudy& study, const LimitResult& result, const NumberText& number) {
+  const auto length = [&](double value) { return number(value, Dimension::length, 2); };
+  const auto penalty = [&](double epsilon, int digits) { return number(epsilon, number.of_epsilon, digits); };
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
   all.add("Mass", std::string(name(resolve(study.scene).mass)));
   all.add("Restitution", study.scene.restitution ? readable(*study.scene.restitution) : "not given",
           study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
-  all.add("Penalty ε", readable(study.epsilons.front()) + " to " + readable(study.epsilons.back()),
+  all.add("Penalty ε", number(study.epsilons.front(), 4) + " to " + penalty(study.epsilons.back(), 4),
           fmt::format("{} values", study.epsilons.size()));
   if (!orders.scheme.empty())
-    all.add("Scheme's time step", readable(orders.scheme_step),
-            fmt::format("error {}, by {} steps from {} down", readable(orders.scheme_error, 2), orders.scheme.size(),
-                        readable(orders.scheme.front().step, 2)));
+    all.add("Scheme's time step", number(orders.scheme_step, Dimension::time, 4),
+            fmt::format("error {}, by {} steps from {} down", length(orders.scheme_error), orders.scheme.size(),
+                        number(orders.scheme.front().step, Dimension::time, 2)));
   all.add("Relative tolerance", readable(orders.tolerance), "of the penalised runs");
   if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
-    all.add("Distance of the limits", readable(*lower, 2) + " to " + readable(*upper, 2),
+    all.add("Distance of the limits", number(*lower, 2) + " to " + length(*upper),
             "of the penalised bar and of the scheme, by their differences and errors");
   if (study.estimate)
-    all.add("Error of the mesh", readable(study.estimate->total, 2),
+    all.add("Error of the mesh", length(study.estimate->total),
             fmt::format("at ε = 0; the one asked for is {}kept", study.estimate->kept ? "" : "not "));
-  all.add("Error of the tolerance", readable(orders.tolerance_error, 2), "at most, in a difference");
+  all.add("Error of the tolerance", length(orders.tolerance_error), "at most, in a difference");
   if (orders.boundary)
-    all.add("Regimes meet at", readable(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
+    all.add("Regimes meet at", penalty(*orders.boundary, 3), "ε = " + std::string(theory(study).boundary));
   return all.html("The study");
 }
 
@@ -150,15 +153,16 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
                        const CouplingResult& coupling) {
   const std::size_t best = finest(result);
   const LimitOrders& orders = result.orders[best];
+  const NumberText number(NumberText::For::terminal, study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = result.failed.empty();
   json["verdict"] = name(orders.verdict);
-  json["reason"] = verdict_reason(study, result, best);
+  json["reason"] = verdict_reason(study, result, best, number);
   json["order_penetration"] = order_or_null(orders.penetration);
   json["order_to_rigid"] = order_or_null(orders.to_rigid);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
-  json["sentence"] = limit_sentence(orders);
+  json["sentence"] = limit_sentence(orders, number);
   json["budget"] = study.budget;
   json["mass"] = name(resolve(study.scene).mass);
   json["restitution"] = study.scene.restitution;
@@ -229,53 +233,53 @@ std::string limit_row_text(const LimitRow& row) {
 }
 
 std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  std::string out = text(limit_table(result, plain_number));
-  out += "\nObserved powers of epsilon\n" + text(order_table(study, result)) + "\n";
+  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  std::string out = text(limit_table(result, number));
+  out += "\nObserved powers of epsilon\n" + text(order_table(study, result, number)) + "\n";
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
     const LimitOrders& orders = result.orders[m];
     if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
-    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, result, m));
+    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, result, m, number));
   }
   if (study.estimate)
-    out +=
-        fmt::format("{} elements, at epsilon = 0: error of the mesh {:.2g}, the one asked for is {}kept.\n",
-                    result.orders[finest(result)].elements, study.estimate->total, study.estimate->kept ? "" : "not ");
+    out += fmt::format("{} elements, at epsilon = 0: error of the mesh {}, the one asked for is {}kept.\n",
+                       result.orders[finest(result)].elements, number(study.estimate->total, Dimension::length, 2),
+                       study.estimate->kept ? "" : "not ");
   if (result.own_motion)
-    out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion),
-                       text(table_of(own_motion_columns(), result.own_motion->meshes, plain_number, 0)));
+    out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion, number),
+                       text(own_motion_table(*result.own_motion, number)));
   if (result.orders.size() > 1) {
-    out += fmt::format("\n{}\n", coupling_sentence(coupling, plain_number));
-    if (coupling.coupling) out += text(table_of(coupling_columns(), coupling.coupling->meshes, plain_number, 0));
+    out += fmt::format("\n{}\n", coupling_sentence(coupling, number));
+    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, number));
   }
   return out;
 }
 
 PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
   Page page = Page::of_study(study.scene.scene, ": the penalty limit");
-  page.add_head(head(study, result));
-  page.add(numbers(study, result));
+  const NumberText number(NumberText::For::page, study.scene.scene);
+  page.add_head(head(study, result, number));
+  page.add(numbers(study, result, number));
   if (!result.rows.empty()) {
     page.add(penetration_picture(study, result));
     page.add(difference_picture(study, result));
-    page.add(events_picture(result));
-    page.add(cost_picture(result));
+    page.add(events_picture(study, result));
+    page.add(cost_picture(study, result));
   }
   page.add_section(
       "Observed powers of ε",
-      html(order_table(study, result)) +
+      html(order_table(study, result, number)) +
           "<p class=\"note\">Slopes over the settled range of the smallest ε, and how far they may be from "
           "the power for ε → 0.</p>\n");
   if (result.own_motion)
     page.add_section("The bar's own motion",
-                     fmt::format("<p>{}</p>\n{}", escaped(own_motion_sentence(*result.own_motion)),
-                                 html(table_of(own_motion_columns(), result.own_motion->meshes, readable_number, 0))));
+                     fmt::format("<p>{}</p>\n{}", sentence_html(own_motion_sentence(*result.own_motion, number)),
+                                 html(own_motion_table(*result.own_motion, number))));
   if (result.orders.size() > 1)
     page.add_section("Penalty and mesh in balance",
-                     fmt::format("<p>{}</p>\n{}", escaped(coupling_sentence(coupling, readable_number)),
-                                 coupling.coupling
-                                     ? html(table_of(coupling_columns(), coupling.coupling->meshes, readable_number, 0))
-                                     : ""));
-  page.add_section("Every run", html(limit_table(result, readable_number)));
+                     fmt::format("<p>{}</p>\n{}", sentence_html(coupling_sentence(coupling, number)),
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, number)) : ""));
+  page.add_section("Every run", html(limit_table(result, number)));
   return page.with_figures();
 }
 

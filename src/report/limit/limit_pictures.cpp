@@ -18,10 +18,13 @@ using plot::Range;
 
 constexpr const char* soft = "var(--soft)";
 
-Axis epsilon_axis(const LimitResult& result) {
+NumberText on_page(const LimitStudy& study) { return NumberText(NumberText::For::page, study.scene.scene); }
+
+Axis epsilon_axis(const LimitStudy& study, const LimitResult& result) {
+  const NumberText number = on_page(study);
   Range range;
   for (const LimitRow& row : result.rows) range.add(row.epsilon);
-  Axis axis = range.decades("penalty ε");
+  Axis axis = range.decades(number.heading("penalty ε", number.of_epsilon));
   axis.link = "epsilon";
   return axis;
 }
@@ -107,8 +110,8 @@ void mark_boundaries(Figure& figure, const LimitResult& result, const LimitTheor
 
 Picture penetration_picture(const LimitStudy& study, const LimitResult& result) {
   const Lines lines = lines_of(result, [](const LimitRow& row) { return row.max_penetration; });
-  const Axis x = epsilon_axis(result);
-  Figure figure(x, decades_of("largest penetration", lines), 380.0);
+  const Axis x = epsilon_axis(study, result);
+  Figure figure(x, decades_of(on_page(study).heading("largest penetration", Dimension::length), lines), 380.0);
   const LimitTheory powers = theory(study);
   mark_boundaries(figure, result, powers, x);
   draw_meshes(figure, result, lines);
@@ -124,13 +127,15 @@ Picture penetration_picture(const LimitStudy& study, const LimitResult& result) 
         powers.layer ? "the mesh resolves the layer that a contact strains"
                      : "viscosity drags it along with its neighbours");
   else if (boundary)
-    caption += fmt::format("; the regimes meet at <i>ε</i> = {} = {}, {} the picture", powers.boundary,
-                           readable(*boundary, 3), *boundary >= x.high ? "right of" : "left of");
+    caption +=
+        fmt::format("; the regimes meet at <i>ε</i> = {} = {}, {} the picture", powers.boundary,
+                    on_page(study)(*boundary, on_page(study).of_epsilon), *boundary >= x.high ? "right of" : "left of");
   return {"Penetration", caption + ".", {{"penetration", "Largest penetration over the penalty", figure}}};
 }
 
 Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
-  const Axis x = epsilon_axis(result);
+  const Axis x = epsilon_axis(study, result);
+  const NumberText number = on_page(study);
   const LimitTheory powers = theory(study);
   std::vector<Panel> panels;
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
@@ -148,7 +153,7 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
     Lines all = schemes;
     all.push_back(own);
     all.push_back(limit);
-    const Axis y = decades_of("end difference", all);
+    const Axis y = decades_of(number.heading("end difference", Dimension::length), all);
     Figure figure(x, y, 380.0);
     mark_boundaries(figure, {.rows = {}, .orders = {orders}, .failed = {}, .own_motion = {}, .left_out = {}}, powers,
                     x);
@@ -157,9 +162,9 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
     if (!limit.empty() && orders.evidence.apart.value_or(0.0) > 0.0)
       figure.series(limit, {plot::series_colour(2), false, 4.0}, "to the scheme's limit");
     for (std::size_t k = 0; k < schemes.size(); ++k)
-      figure.series(
-          schemes[k], {plot::series_colour(1), k + 1 < schemes.size(), k + 1 < schemes.size() ? 1.2 : 2.0},
-          fmt::format("to the scheme, dt = {:.2g}", k == 0 ? orders.scheme.front().step : orders.scheme.back().step));
+      figure.series(schemes[k], {plot::series_colour(1), k + 1 < schemes.size(), k + 1 < schemes.size() ? 1.2 : 2.0},
+                    "to the scheme, dt = " +
+                        number(k == 0 ? orders.scheme.front().step : orders.scheme.back().step, Dimension::time, 2));
     if (!own.empty()) figure.series(own, {plot::series_colour(0)}, "to its own limit");
     if (const auto& settled = orders.to_own_limit) {
       const std::vector<Point> range = {{rows[settled->first].epsilon, *rows[settled->first].difference_to_own_limit},
@@ -181,7 +186,7 @@ Picture difference_picture(const LimitStudy& study, const LimitResult& result) {
       panels};
 }
 
-Picture events_picture(const LimitResult& result) {
+Picture events_picture(const LimitStudy& study, const LimitResult& result) {
   Lines lines(result.orders.size());
   std::vector<double> levels;
   Range penalised;
@@ -194,7 +199,7 @@ Picture events_picture(const LimitResult& result) {
   Range all = penalised;
   all.add(0.0);
   all.add(levels);
-  Figure figure(epsilon_axis(result),
+  Figure figure(epsilon_axis(study, result),
                 penalised.high > linear_up_to && penalised.low > 0.0 ? decades_of("contact changes", lines, levels)
                                                                      : all.axis("contact changes"),
                 260.0);
@@ -207,9 +212,9 @@ Picture events_picture(const LimitResult& result) {
           {{"contact-changes", "Number of contact changes over the penalty", figure}}};
 }
 
-Picture cost_picture(const LimitResult& result) {
+Picture cost_picture(const LimitStudy& study, const LimitResult& result) {
   const Lines lines = lines_of(result, [](const LimitRow& row) { return static_cast<double>(row.steps); });
-  Figure figure(epsilon_axis(result), decades_of("steps", lines), 260.0);
+  Figure figure(epsilon_axis(study, result), decades_of("steps", lines), 260.0);
   draw_meshes(figure, result, lines);
   return {"Cost", "Steps of the penalised runs.", {{"cost", "Steps of the time integration over the penalty", figure}}};
 }

@@ -43,11 +43,15 @@ LimitTheory theory(const LimitStudy& study) {
 
 namespace {
 
-std::string within(const char* of, const std::optional<double>& error) {
-  return error ? fmt::format("{} is {:.2g} away at most", of, *error) : fmt::format("{} does not settle", of);
+std::string within(const char* of, const std::optional<double>& error, const NumberText& number) {
+  return error ? fmt::format("{} is {} away at most", of, number(*error, Dimension::length, 2))
+               : fmt::format("{} does not settle", of);
 }
 
-std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows) {
+std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders, std::span<const LimitRow> rows,
+                             const NumberText& number) {
+  const auto length = [&](double value, int digits = 2) { return number(value, Dimension::length, digits); };
+  const auto penalty = [&](double epsilon) { return number(epsilon, number.of_epsilon, 2); };
   const LimitEvidence& evidence = orders.evidence;
   std::string budget;
   if (orders.interrupted)
@@ -62,28 +66,30 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
         "no run of the {} came to its end, so there is nothing to compare{}. A larger --budget would tell",
         rows.empty() ? "penalised bar" : "scheme", budget);
   const LimitRow& last = rows.back();
-  const std::string found = fmt::format("the difference to the scheme is {:.2g} at epsilon = {:.2g} and dt = {:.2g}",
-                                        evidence.difference, last.epsilon, orders.scheme_step);
-  const std::string limits =
-      evidence.apart ? fmt::format(". The limits differ by {:.2g} +- {:.1g}", *evidence.apart, evidence.apart_error)
-                     : "";
+  const std::string found =
+      fmt::format("the difference to the scheme is {} at epsilon = {} and dt = {}", length(evidence.difference),
+                  penalty(last.epsilon), number(orders.scheme_step, Dimension::time, 2));
+  const std::string limits = evidence.apart ? fmt::format(". The limits differ by {} +- {}", length(*evidence.apart),
+                                                          length(evidence.apart_error, 1))
+                                            : "";
   const std::string known =
-      found + limits + "; " + within("the limit of the penalised bar", evidence.penalty_error) + ", " +
-      within("that of the scheme", evidence.scheme_error) +
-      (evidence.stake ? fmt::format("; {} changes {:.2g}, beside which all of this must be small",
-                                    evidence.by_law ? "another law of impact" : "contact itself", *evidence.stake)
-                      : std::string());
+      found + limits + "; " + within("the limit of the penalised bar", evidence.penalty_error, number) + ", " +
+      within("that of the scheme", evidence.scheme_error, number) +
+      (evidence.stake
+           ? fmt::format("; {} changes {}, beside which all of this must be small",
+                         evidence.by_law ? "another law of impact" : "contact itself", length(*evidence.stake))
+           : std::string());
   switch (evidence.lack) {
     case Lack::obstacle:
       return fmt::format(
-          "the bar goes {:.2g} deep into the obstacle at epsilon = {:.2g}, a tenth or more of its displacement: so "
+          "the bar goes {} deep into the obstacle at epsilon = {}, a tenth or more of its displacement: so "
           "soft a penalty is no obstacle{}. Smaller epsilons would decide it: leave --epsilon out",
-          last.max_penetration, last.epsilon, budget);
+          length(last.max_penetration), penalty(last.epsilon), budget);
     case Lack::contact:
       return fmt::format(
-          "nothing touches an obstacle at epsilon = {:.2g}, so there is no contact to compare; {}. A smaller gap, a "
+          "nothing touches an obstacle at epsilon = {}, so there is no contact to compare; {}. A smaller gap, a "
           "longer run or a throw towards the obstacle would decide it",
-          last.epsilon, found);
+          penalty(last.epsilon), found);
     case Lack::penalties:
       return found +
              ". Whether the penalised bar settles takes three epsilons or more to say: a longer --epsilon range would "
@@ -122,51 +128,56 @@ std::string remedy_of_plateau(const LimitStudy& study) {
 
 }  // namespace
 
-std::string limit_sentence(const LimitOrders& orders) {
+std::string limit_sentence(const LimitOrders& orders, const NumberText& number) {
   const LimitEvidence& evidence = orders.evidence;
   const auto lower = evidence.lower(), upper = evidence.upper();
   if (orders.verdict == Verdict::undecided || !upper || orders.largest == 0.0) return "";
   const std::string mesh = fmt::format("at {} elements", orders.elements);
   const auto share = [&](double value) {
-    return fmt::format("{:.2g} % of the largest displacement", 100.0 * value / orders.largest);
+    return fmt::format("{} % of the largest displacement", number(100.0 * value / orders.largest, 2));
   };
   if (orders.verdict == Verdict::converges)
-    return fmt::format("{} the limits agree to {:.1g} ({})", mesh, *upper, share(*upper));
+    return fmt::format("{} the limits agree to {} ({})", mesh, number(*upper, Dimension::length, 1), share(*upper));
   if (evidence.apart && !evidence.until)
-    return fmt::format("{} the limits differ by {:.3g} +- {:.1g} ({})", mesh, *evidence.apart, evidence.apart_error,
-                       share(*evidence.apart));
-  return fmt::format("{} the limits differ by {:.2g} or more ({})", mesh, *lower, share(*lower));
+    return fmt::format("{} the limits differ by {} +- {} ({})", mesh, number(*evidence.apart, Dimension::length),
+                       number(evidence.apart_error, Dimension::length, 1), share(*evidence.apart));
+  return fmt::format("{} the limits differ by {} or more ({})", mesh, number(*lower, Dimension::length, 2),
+                     share(*lower));
 }
 
-std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh) {
+std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh,
+                           const NumberText& number) {
   const LimitOrders& orders = result.orders[mesh];
   const auto rows = rows_of(result, mesh);
   const LimitEvidence& evidence = orders.evidence;
-  if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, rows);
-  std::string reason = limit_sentence(orders);
+  if (orders.verdict == Verdict::undecided) return undecided_reason(study, orders, rows, number);
+  std::string reason = limit_sentence(orders, number);
+  const auto length = [&](double value) { return number(value, Dimension::length, 2); };
+  const auto penalty = [&](const LimitRow& row) { return number(row.epsilon, number.of_epsilon, 2); };
   if (evidence.until)
     reason += orders.verdict == Verdict::plateau
-                  ? fmt::format(", already up to t = {:.3g}", *evidence.until)
+                  ? fmt::format(", already up to t = {}", number(*evidence.until, Dimension::time))
                   : fmt::format(
-                        "; both sequences are seen to tend to one limit up to t = {:.3g}, behind which the bar "
+                        "; both sequences are seen to tend to one limit up to t = {}, behind which the bar "
                         "magnifies what is left of them",
-                        *evidence.until);
+                        number(*evidence.until, Dimension::time));
   if (!rows.empty() && !evidence.until) {
     const LimitRow &first = rows.front(), &last = rows.back();
     reason += fmt::format(
-        "; the difference to the scheme {} {:.2g} at epsilon = {:.2g}, and {:.2g} of it at most is that of epsilon, "
-        "{:.2g} that of the scheme's step {:.2g}{}",
+        "; the difference to the scheme {} {} at epsilon = {}, and {} of it at most is that of epsilon, {} that of the "
+        "scheme's step {}{}",
         orders.verdict == Verdict::plateau
             ? "stays near"
-            : fmt::format("goes from {:.2g} at epsilon = {:.2g} to", first.difference_to_scheme, first.epsilon),
-        evidence.difference, last.epsilon, evidence.penalty_error.value_or(0.0), evidence.scheme_error.value_or(0.0),
-        orders.scheme_step, evidence.extrapolated ? ", extrapolated" : "");
+            : fmt::format("goes from {} at epsilon = {} to", length(first.difference_to_scheme), penalty(first)),
+        length(evidence.difference), penalty(last), length(evidence.penalty_error.value_or(0.0)),
+        length(evidence.scheme_error.value_or(0.0)), number(orders.scheme_step, Dimension::time, 2),
+        evidence.extrapolated ? ", extrapolated" : "");
     if (orders.verdict == Verdict::plateau)
       reason += fmt::format("; contact changes go from {} to {}, the scheme has {}", first.events, last.events,
                             orders.scheme_events);
     if (evidence.stake)
-      reason += fmt::format("; {} puts {:.2g} at stake", evidence.by_law ? "another law of impact" : "contact itself",
-                            *evidence.stake);
+      reason += fmt::format("; {} puts {} at stake", evidence.by_law ? "another law of impact" : "contact itself",
+                            length(*evidence.stake));
   }
   const auto finer = [&](const LimitOrders& other) {
     return other.verdict == Verdict::plateau && other.elements > orders.elements;
@@ -181,38 +192,53 @@ const std::vector<Column<LimitRow>>& limit_columns() {
       column("elements", "elements", &LimitRow::elements),
       {"mass", "mass", [](const LimitRow& row) { return cell(name(row.mass)); }},
       column("events", "contact changes", &LimitRow::events),
-      column("max_penetration", "largest penetration", &LimitRow::max_penetration),
-      column("difference_to_scheme", "to the scheme", &LimitRow::difference_to_scheme),
-      column("difference_to_rigid", "to rigid", &LimitRow::difference_to_rigid, true),
-      column("difference_to_own_limit", "to its own limit", &LimitRow::difference_to_own_limit, true),
-      column("difference_to_scheme_limit", "to the scheme's limit", &LimitRow::difference_to_scheme_limit, true),
+      column("max_penetration", "largest penetration", &LimitRow::max_penetration).in(Dimension::length),
+      column("difference_to_scheme", "to the scheme", &LimitRow::difference_to_scheme).in(Dimension::length),
+      column("difference_to_rigid", "to rigid", &LimitRow::difference_to_rigid, true).in(Dimension::length),
+      column("difference_to_own_limit", "to its own limit", &LimitRow::difference_to_own_limit, true)
+          .in(Dimension::length),
+      column("difference_to_scheme_limit", "to the scheme's limit", &LimitRow::difference_to_scheme_limit, true)
+          .in(Dimension::length),
       column("tolerance", "tolerance", &LimitRow::tolerance),
       column("steps", "steps", &LimitRow::steps),
       column("seconds", "seconds", &LimitRow::seconds)};
   return columns;
 }
 
-Table limit_table(const LimitResult& result, NumberText number) {
-  return table_of(pick(limit_columns(), {"elements", "epsilon", "events", "max_penetration", "difference_to_scheme",
-                                         "difference_to_own_limit", "difference_to_scheme_limit", "steps", "seconds"}),
+namespace {
+
+/// The unit of epsilon is the scene's: it has one more length under the span.
+template <class Row>
+std::vector<Column<Row>> with_unit_of_epsilon(std::vector<Column<Row>> columns, const NumberText& number) {
+  std::ranges::find(columns, "epsilon", &Column<Row>::key)->unit = number.of_epsilon;
+  return columns;
+}
+
+}  // namespace
+
+Table limit_table(const LimitResult& result, const NumberText& number) {
+  return table_of(with_unit_of_epsilon(pick(limit_columns(), {"elements", "epsilon", "events", "max_penetration",
+                                                              "difference_to_scheme", "difference_to_own_limit",
+                                                              "difference_to_scheme_limit", "steps", "seconds"}),
+                                       number),
                   result.rows, number, 0);
 }
 
-Table order_table(const LimitStudy& study, const LimitResult& result) {
+Table order_table(const LimitStudy& study, const LimitResult& result, const NumberText& number) {
   const LimitTheory powers = theory(study);
   Table table{{"elements", "regime", "penetration", "theory", "to its own limit", "theory", "to the scheme", "theory",
                "scheme's power of dt"},
               2,
               {}};
   for (const LimitOrders& o : result.orders) {
+    const std::string boundary = o.boundary ? number(*o.boundary, number.of_epsilon, 2) : "";
     const bool plateau = o.verdict == Verdict::plateau;
-    table.rows.push_back({fmt::format("{}", o.elements),
-                          o.boundary ? fmt::format("small epsilon, below {:.2g}", *o.boundary) : "every epsilon",
-                          with_error(o.penetration), power(powers.penetration), with_error(o.to_own_limit),
-                          power(powers.penetration), plateau ? "a plateau" : with_error(o.to_scheme),
-                          power(powers.difference), with_error(o.of_step)});
+    table.rows.push_back(
+        {fmt::format("{}", o.elements), o.boundary ? "small epsilon, below " + boundary : "every epsilon",
+         with_error(o.penetration), power(powers.penetration), with_error(o.to_own_limit), power(powers.penetration),
+         plateau ? "a plateau" : with_error(o.to_scheme), power(powers.difference), with_error(o.of_step)});
     if (!o.penetration_layer && !o.to_rigid_layer) continue;
-    table.rows.push_back({fmt::format("{}", o.elements), fmt::format("layer resolved, above {:.2g}", *o.boundary),
+    table.rows.push_back({fmt::format("{}", o.elements), "layer resolved, above " + boundary,
                           with_error(o.penetration_layer), power(powers.layer), with_error(o.to_rigid_layer),
                           power(powers.layer), "-", "-", "-"});
   }
@@ -221,17 +247,22 @@ Table order_table(const LimitStudy& study, const LimitResult& result) {
 
 const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns() {
   using Row = OwnMotion::Mesh;
-  static const std::vector<Column<Row>> columns = {column("elements", "elements", &Row::elements),
-                                                   column("spacing", "h", &Row::spacing),
-                                                   column("penalty", "penalty's limit to the bar", &Row::penalty),
-                                                   column("scheme", "scheme's limit to the bar", &Row::scheme),
-                                                   column("apart", "limits apart", &Row::apart),
-                                                   column("epsilon", "epsilon(h)", &Row::epsilon).or_else("outside"),
-                                                   column("step", "dt(h)", &Row::step).or_else("outside")};
+  static const std::vector<Column<Row>> columns = {
+      column("elements", "elements", &Row::elements),
+      column("spacing", "h", &Row::spacing).in(Dimension::length),
+      column("penalty", "penalty's limit to the bar", &Row::penalty).in(Dimension::length),
+      column("scheme", "scheme's limit to the bar", &Row::scheme).in(Dimension::length),
+      column("apart", "limits apart", &Row::apart).in(Dimension::length),
+      column("epsilon", "epsilon(h)", &Row::epsilon).or_else("outside"),
+      column("step", "dt(h)", &Row::step).or_else("outside").in(Dimension::time)};
   return columns;
 }
 
-std::string own_motion_sentence(const OwnMotion& motion) {
+Table own_motion_table(const OwnMotion& motion, const NumberText& number) {
+  return table_of(with_unit_of_epsilon(own_motion_columns(), number), motion.meshes, number, 0);
+}
+
+std::string own_motion_sentence(const OwnMotion& motion, const NumberText& number) {
   const auto like = [](const std::optional<SequenceOrder>& order) {
     return order ? fmt::format("like h^{:.2f} (+- {:.2f})", order->order, order->bound)
                  : "by a power that is not settled";
@@ -241,23 +272,27 @@ std::string own_motion_sentence(const OwnMotion& motion) {
   if (std::ranges::any_of(motion.meshes, [](const OwnMotion::Mesh& mesh) { return mesh.apart > 0.0; }))
     sentence += fmt::format("; the difference of the limits falls {}", like(motion.apart));
   return sentence + fmt::format(
-                        ". The bar's own motion is that of {}, known to {:.1g}; at epsilon(h) and dt(h) penalty "
+                        ". The bar's own motion is that of {}, known to {}; at epsilon(h) and dt(h) penalty "
                         "and step cost as much as the mesh.",
-                        motion.reference, motion.error);
+                        motion.reference, number(motion.error, Dimension::length, 1));
 }
 
 const std::vector<Column<Coupling::Mesh>>& coupling_columns() {
   using Row = Coupling::Mesh;
   const auto order = [](const Row& mesh) { return mesh.epsilon ? Cell(mesh.local_order) : Cell(); };
   static const std::vector<Column<Row>> columns = {
-      column("elements", "elements", &Row::elements), column("spacing", "h", &Row::spacing),
-      column("mesh_error", "error of the mesh", &Row::mesh_error),
+      column("elements", "elements", &Row::elements), column("spacing", "h", &Row::spacing).in(Dimension::length),
+      column("mesh_error", "error of the mesh", &Row::mesh_error).in(Dimension::length),
       column("epsilon", "epsilon(h)", &Row::epsilon).or_else("outside"),
       Column<Row>{"local_order", "local power of epsilon", order}.or_else("-")};
   return columns;
 }
 
-std::string coupling_sentence(const CouplingResult& result, NumberText number) {
+Table coupling_table(const Coupling& coupling, const NumberText& number) {
+  return table_of(with_unit_of_epsilon(coupling_columns(), number), coupling.meshes, number, 0);
+}
+
+std::string coupling_sentence(const CouplingResult& result, const NumberText& number) {
   if (!result.coupling) return "No epsilon(h) is given: " + result.reason + ".";
   const Coupling& c = *result.coupling;
   std::string sentence = fmt::format("The {} end traces converge like h^{:.2f}", c.limit, c.mesh_order);
@@ -265,7 +300,8 @@ std::string coupling_sentence(const CouplingResult& result, NumberText number) {
     sentence +=
         fmt::format("; the penalty costs as much as the mesh where epsilon is of the order h^{:.2f}", c.law->order);
   for (const Coupling::Mesh& mesh : c.meshes)
-    if (mesh.epsilon) sentence += fmt::format(", epsilon = {} on {} elements", number(*mesh.epsilon), mesh.elements);
+    if (mesh.epsilon)
+      sentence += fmt::format(", epsilon = {} on {} elements", number(*mesh.epsilon, number.of_epsilon), mesh.elements);
   return sentence + ".";
 }
 

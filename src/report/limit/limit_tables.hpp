@@ -30,24 +30,27 @@ LimitTheory theory(const LimitStudy& study);
 
 /// Why the verdict on the m-th mesh is what it is, with the numbers that it rests on. What helps against a plateau is
 /// told once, on the finest mesh that has one.
-std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh);
+std::string verdict_reason(const LimitStudy& study, const LimitResult& result, std::size_t mesh,
+                           const NumberText& number);
 
 /// Distance of the limits on a mesh, in a sentence to quote. Empty where it is not known.
-std::string limit_sentence(const LimitOrders& orders);
+std::string limit_sentence(const LimitOrders& orders, const NumberText& number);
 
 /// The columns of limit.json, of which limit.csv and the table take theirs.
 const std::vector<Column<LimitRow>>& limit_columns();
-Table limit_table(const LimitResult& result, NumberText number);
-Table order_table(const LimitStudy& study, const LimitResult& result);
+Table limit_table(const LimitResult& result, const NumberText& number);
+Table order_table(const LimitStudy& study, const LimitResult& result, const NumberText& number);
 const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns();
-std::string own_motion_sentence(const OwnMotion& motion);
+Table own_motion_table(const OwnMotion& motion, const NumberText& number);
+std::string own_motion_sentence(const OwnMotion& motion, const NumberText& number);
 const std::vector<Column<Coupling::Mesh>>& coupling_columns();
-std::string coupling_sentence(const CouplingResult& coupling, NumberText number);
+Table coupling_table(const Coupling& coupling, const NumberText& number);
+std::string coupling_sentence(const CouplingResult& coupling, const NumberText& number);
 
 // The pictures of the page, epsilon on a logarithmic axis.
 Picture penetration_picture(const LimitStudy& study, const LimitResult& result);
 Picture difference_picture(const LimitStudy& study, const LimitResult& result);
-Picture events_picture(const LimitResult& result);
-Picture cost_picture(const LimitResult& result);
+Picture events_picture(const LimitStudy& study, const LimitResult& result);
+Picture cost_picture(const LimitStudy& study, const LimitResult& result);
 
 }  // namespace viscobar

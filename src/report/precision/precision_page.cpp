@@ -13,14 +13,13 @@ namespace viscobar {
 
 namespace {
 
-std::string norm(const PrecisionResult& result) {
+std::string norm(const PrecisionResult& result, const NumberText& number) {
   return fmt::format(
-      "largest |u - u_ref| over {} times, {:.3g} apart, and the nodes of the mesh, in the unit of u, the start left "
-      "out",
-      result.times, result.every);
+      "largest |u - u_ref| over {} times, {} apart, and the nodes of the mesh, in the unit of u, the start left out",
+      result.times, number(result.every, Dimension::time));
 }
 
-Json to_json(const PrecisionResult& result, const ErrorParts& parts) {
+Json to_json(const PrecisionResult& result, const ErrorParts& parts, const NumberText& number) {
   return {{"method", name(parts.method)},
           {"elements", parts.elements},
           {"mass", name(parts.mass)},
@@ -32,13 +31,13 @@ Json to_json(const PrecisionResult& result, const ErrorParts& parts) {
           {"time_reference", text_or_null(parts.time_reference)},
           {"time_reference_error", parts.time_reference.empty() ? Json(nullptr) : Json(parts.time_reference_error)},
           {"problem", text_or_null(parts.problem)},
-          {"advice", advice(result, parts, plain_number)}};
+          {"advice", advice(result, parts, number)}};
 }
 
-Json to_json(const PrecisionResult& result) {
-  if (!result.reference) return {{"description", reference_sentence(result, plain_number)}, {"error", nullptr}};
+Json to_json(const PrecisionResult& result, const NumberText& number) {
+  if (!result.reference) return {{"description", reference_sentence(result, number)}, {"error", nullptr}};
   const PrecisionReference& reference = *result.reference;
-  Json json = {{"description", reference_sentence(result, plain_number)},
+  Json json = {{"description", reference_sentence(result, number)},
                {"kind", reference.closed_form ? "closed form" : "finer run"},
                {"what", reference.what},
                {"error", reference.error},
@@ -50,23 +49,24 @@ Json to_json(const PrecisionResult& result) {
   return json;
 }
 
-std::string numbers(const PrecisionStudy& study, const PrecisionResult& result) {
+std::string numbers(const PrecisionStudy& study, const PrecisionResult& result, const NumberText& number) {
   Numbers all;
   all.add("Mass", std::string(name(resolve(study.scene).mass)), "finite_difference: diagonal");
-  if (study.scene.epsilon) all.add("Penalty ε", readable(*study.scene.epsilon));
+  if (study.scene.epsilon) all.add("Penalty ε", number(*study.scene.epsilon, number.of_epsilon, 4));
   if (result.reference) {
-    all.add("Largest |u|", readable(result.reference->largest_displacement, 3));
+    all.add("Largest |u|", number(result.reference->largest_displacement, Dimension::length));
     all.add("Reference", result.reference->closed_form ? "closed form" : "finer run",
-            result.reference->closed_form
-                ? escaped(result.reference->what)
-                : fmt::format("{}; good to {}", result.reference->what, readable(result.reference->error, 2)));
+            result.reference->closed_form ? sentence_html(result.reference->what)
+                                          : fmt::format("{}; good to {}", sentence_html(result.reference->what),
+                                                        number(result.reference->error, Dimension::length, 2)));
   }
-  all.add("Errors taken at", fmt::format("{} times", result.times), fmt::format("{} apart", readable(result.every)));
+  all.add("Errors taken at", fmt::format("{} times", result.times),
+          number(result.every, Dimension::time, 4) + " apart");
   return all.html("The study");
 }
 
 /// Calls `tell` with the methods, "on so many elements" where there are several meshes, and the advice.
-void for_each_advice(const PrecisionResult& result, NumberText number, auto&& tell) {
+void for_each_advice(const PrecisionResult& result, const NumberText& number, auto&& tell) {
   const auto meshes = meshes_in(result);
   for (const std::size_t elements : meshes)
     for (const auto& [methods, text] : advice_on_mesh(result, elements, number))
@@ -76,20 +76,21 @@ void for_each_advice(const PrecisionResult& result, NumberText number, auto&& te
 }  // namespace
 
 std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
+  const NumberText number(NumberText::For::terminal, study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
-  json["norm"] = norm(result);
-  json["reference"] = to_json(result);
+  json["norm"] = norm(result, number);
+  json["reference"] = to_json(result, number);
   json["epsilon"] = study.scene.epsilon;
   json["rows"] = json_of(precision_columns(result), result.rows);
   json["parts"] = Json::array();
-  for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts));
+  for (const ErrorParts& parts : result.parts) json["parts"].push_back(to_json(result, parts, number));
   json["left_out"] = Json::array();
   for (const auto& [method, elements, what, reason] : result.left_out)
     json["left_out"].push_back(
         {{"method", name(method)}, {"elements", elements}, {"from", text_or_null(what)}, {"reason", reason}});
-  json["remarks"] = remarks(study, result);
+  json["remarks"] = remarks(study, result, number);
   json["errors_every"] = result.every;
   json["core_share"] = result.core_share;
   tell(json, scene);
@@ -101,13 +102,14 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
 std::string precision_csv(const PrecisionResult& result) { return csv_of(precision_columns(result), result.rows); }
 
 std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
-  std::string out = text(precision_table(result, plain_number)) + "\n";
-  for_each_advice(result, plain_number, [&](const std::string& methods, const std::string& advised) {
+  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  std::string out = text(precision_table(result, number)) + "\n";
+  for_each_advice(result, number, [&](const std::string& methods, const std::string& advised) {
     out += fmt::format("{}: {}.\n", methods, advised);
   });
-  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, plain_number), norm(result));
-  out += fmt::format("\n{}", text(time_reference_table(result, plain_number)));
-  if (const auto lines = remarks(study, result); !lines.empty()) {
+  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, number), norm(result, number));
+  out += fmt::format("\n{}", text(time_reference_table(result, number)));
+  if (const auto lines = remarks(study, result, number); !lines.empty()) {
     out += "\n";
     for (const std::string& line : lines) out += line + ".\n";
   }
@@ -115,23 +117,23 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
 }
 
 PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
+  const NumberText number(NumberText::For::page, study.scene.scene);
   Page page = Page::of_study(study.scene.scene, ": speed against error");
   std::string advised;
-  for_each_advice(result, readable_number, [&](const std::string& methods, const std::string& text) {
-    advised += fmt::format("<b>{}</b>: {}.<br>\n", methods, escaped(text));
+  for_each_advice(result, number, [&](const std::string& methods, const std::string& text) {
+    advised += fmt::format("<b>{}</b>: {}.<br>\n", methods, sentence_html(text));
   });
   page.add_head(fmt::format("<p class=\"verdict\">{}</p>\n", advised));
-  page.add(numbers(study, result));
-  page.add(error_picture(result));
-  page.add(time_error_picture(result));
-  page.add(parts_picture(result));
-  page.add_section("Every run", html(precision_table(result, readable_number)));
-  std::string references = fmt::format("<p>{}</p>\n", escaped(reference_sentence(result, readable_number))) +
-                           html(time_reference_table(result, readable_number));
+  page.add(numbers(study, result, number));
+  page.add(error_picture(result, number));
+  page.add(time_error_picture(result, number));
+  page.add(parts_picture(result, number));
+  page.add_section("Every run", html(precision_table(result, number)));
+  std::string references = fmt::format("<p>{}</p>\n", sentence_html(reference_sentence(result, number))) +
+                           html(time_reference_table(result, number));
   if (result.reference && !result.reference->levels.empty())
-    references +=
-        fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, readable_number)));
-  page.add_section("What the errors are against", references + notes_html(remarks(study, result)));
+    references += fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, number)));
+  page.add_section("What the errors are against", references + notes_html(remarks(study, result, number)));
   return page.with_figures();
 }
 

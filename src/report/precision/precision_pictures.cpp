@@ -70,8 +70,8 @@ void draw_labels(Figure& figure, const Axis& x, const Axis& y,
 
 /// A line for each method on each mesh, the mesh named at its end where there are several.
 template <class Error>
-std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std::size_t> meshes, const char* label,
-                              Error value, double floor) {
+std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std::size_t> meshes,
+                              const std::string& label, Error value, double floor) {
   Range x, y;
   for (const ErrorParts& parts : result.parts)
     for (const Point& point : points_of(rows_of(result, parts), seconds, value)) {
@@ -101,10 +101,11 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
 
 }  // namespace
 
-Picture error_picture(const PrecisionResult& result) {
+Picture error_picture(const PrecisionResult& result, const NumberText& number) {
   if (!result.reference) return {};
   const auto meshes = meshes_in(result);
-  const auto figure = diagram(result, meshes, "error: largest |u − u*|", error, result.reference->error);
+  const auto figure = diagram(result, meshes, number.heading("error: largest |u − u*|", Dimension::length), error,
+                              result.reference->error);
   if (!figure) return {};
   std::string caption =
       "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
@@ -114,11 +115,12 @@ Picture error_picture(const PrecisionResult& result) {
   return {"Speed against error", caption + "Schemes are dashed.", {{"error", "Error over seconds", *figure}}};
 }
 
-Picture time_error_picture(const PrecisionResult& result) {
+Picture time_error_picture(const PrecisionResult& result, const NumberText& number) {
   std::vector<Panel> panels;
   const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
   for (const std::size_t mesh : meshes_in(result))
-    if (const auto figure = diagram(result, std::span(&mesh, 1), "time error", resolved, 0.0))
+    if (const auto figure =
+            diagram(result, std::span(&mesh, 1), number.heading("time error", Dimension::length), resolved, 0.0))
       panels.push_back(
           {fmt::format("time-error-{}", mesh), fmt::format("Time error over seconds, {} elements", mesh), *figure});
   return {
@@ -128,7 +130,7 @@ Picture time_error_picture(const PrecisionResult& result) {
       panels};
 }
 
-Picture parts_picture(const PrecisionResult& result) {
+Picture parts_picture(const PrecisionResult& result, const NumberText& number) {
   const auto meshes = meshes_in(result);
   const std::size_t finest = std::ranges::max(meshes);
   const auto resolved = [&](const PrecisionRow& row) { return resolved_time_error(result, row); };
@@ -146,7 +148,9 @@ Picture parts_picture(const PrecisionResult& result) {
     const double least = y.low / 100.0;
     for (const auto& level : {parts.space, parts.penalty})
       if (level && *level > least) y.add(*level);
-    Figure figure(x.decades(setting_word(parts.method), margin), y.decades("error: largest |u − u*|", margin), 300.0);
+    const std::string setting = is_scheme(parts.method) ? number.heading("step", Dimension::time) : "tolerance";
+    Figure figure(x.decades(setting, margin),
+                  y.decades(number.heading("error: largest |u − u*|", Dimension::length), margin), 300.0);
     figure.legend_note(name(parts.method));
     figure.line(total, {"var(--rule)", false, 7.0}, "in all");
     if (*parts.space > least) figure.level(*parts.space, {plot::series_colour(2), true, 1.8}, "space");

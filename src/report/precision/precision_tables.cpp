@@ -13,12 +13,14 @@ namespace viscobar {
 namespace {
 
 /// A measured error that its reference can tell from its own, else the bound that remains.
-std::string measured(const std::optional<double>& error, double reference_error, NumberText number) {
+std::string measured(const std::optional<double>& error, double reference_error, const NumberText& number) {
   if (!error) return "-";
   return resolved(*error, reference_error) ? number(*error) : fmt::format("<{}", number(*error + reference_error));
 }
 
-std::string part_text(const std::optional<double>& value, NumberText number) { return value ? number(*value) : "-"; }
+std::string part_text(const std::optional<double>& value, const NumberText& number) {
+  return value ? number(*value) : "-";
+}
 
 /// The time error of a scheme that has stopped falling over the last halvings of its step.
 std::optional<double> stagnation(const PrecisionResult& result, const ErrorParts& parts) {
@@ -31,6 +33,10 @@ std::optional<double> stagnation(const PrecisionResult& result, const ErrorParts
 }
 
 }  // namespace
+
+std::string setting_text(MethodName method, double setting, const NumberText& number) {
+  return is_scheme(method) ? "step " + number(setting, Dimension::time) : "tolerance " + number(setting);
+}
 
 bool resolved(double error, double reference_error) { return error > 3.0 * reference_error; }
 
@@ -64,21 +70,24 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
 std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& result) {
   using Row = PrecisionRow;
   const auto part = [&](const char* key, std::optional<double> ErrorParts::*member) -> Column<Row> {
-    return {key, key, [&result, member](const Row& row) { return cell(result.parts_of(row).*member); },
-            [&result, member](const Row& row, NumberText number) {
-              return part_text(result.parts_of(row).*member, number);
-            }};
+    Column<Row> column{key, key, [&result, member](const Row& row) { return cell(result.parts_of(row).*member); },
+                       [&result, member](const Row& row, const NumberText& number) {
+                         return part_text(result.parts_of(row).*member, number);
+                       }};
+    return std::move(column).in(Dimension::length);
   };
   const auto unless_failed = [](const Row& row, auto value) { return row.failure.empty() ? cell(value) : Cell(); };
   const double reference_error = result.reference ? result.reference->error : 0.0;
   return {
       {"method", "method", [](const Row& row) { return cell(name(row.method)); }},
       {"label", "setting", [](const Row& row) { return cell(row.label); },
-       [](const Row& row, NumberText number) {
-         return row.setting > 0.0 ? fmt::format("{} {}", setting_word(row.method), number(row.setting)) : row.label;
+       [](const Row& row, const NumberText& number) {
+         return row.setting > 0.0 ? setting_text(row.method, row.setting, number) : row.label;
        }},
-      {"error", "error (max)", [](const Row& row) { return cell(row.error); },
-       [=](const Row& row, NumberText number) { return measured(row.error, reference_error, number); }},
+      Column<Row>{
+          "error", "error (max)", [](const Row& row) { return cell(row.error); },
+          [=](const Row& row, const NumberText& number) { return measured(row.error, reference_error, number); }}
+          .in(Dimension::length),
       {"seconds", "seconds", [=](const Row& row) { return unless_failed(row, row.seconds); }},
       {"steps", "steps", [=](const Row& row) { return unless_failed(row, row.steps); }},
       column("runs", "runs", &Row::runs),
@@ -88,15 +97,16 @@ std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& resul
       {"step", "", [](const Row& row) { return is_scheme(row.method) ? cell(row.setting) : Cell(); }, {}, true},
       part("space", &ErrorParts::space),
       part("penalty", &ErrorParts::penalty),
-      {"time", "time", [](const Row& row) { return cell(row.time_error); },
-       [&result](const Row& row, NumberText number) {
-         return measured(row.time_error, result.parts_of(row).time_reference_error, number);
-       }},
+      Column<Row>{"time", "time", [](const Row& row) { return cell(row.time_error); },
+                  [&result](const Row& row, const NumberText& number) {
+                    return measured(row.time_error, result.parts_of(row).time_reference_error, number);
+                  }}
+          .in(Dimension::length),
       {"largest_part", "largest part", [&result](const Row& row) { return cell(largest_part(result, row)); }},
       column("failure", "", &Row::failure)};
 }
 
-Table precision_table(const PrecisionResult& result, NumberText number) {
+Table precision_table(const PrecisionResult& result, const NumberText& number) {
   const bool penalised =
       std::ranges::any_of(result.parts, [](const ErrorParts& parts) { return parts.penalty.has_value(); });
   const bool several = meshes_in(result).size() > 1;
@@ -117,17 +127,21 @@ std::vector<std::size_t> meshes_in(const PrecisionResult& result) {
   return meshes;
 }
 
-std::string reference_sentence(const PrecisionResult& result, NumberText number) {
+std::string reference_sentence(const PrecisionResult& result, const NumberText& number) {
   if (!result.reference) return "No total error is given, for the reference failed: " + result.no_reference + ".";
   const PrecisionReference& r = *result.reference;
   if (r.closed_form) return fmt::format("Errors are against the closed form: {}.", r.what);
   return fmt::format(
-      "Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what, number(r.error),
+      "Errors are against a finer run: {}, itself good to about {} by its last two meshes{}.", r.what,
+      number(r.error, Dimension::length),
       r.order ? fmt::format(" (observed order in h {:.2f})", *r.order) : " (its order in h is not settled)");
 }
 
-Table time_reference_table(const PrecisionResult& result, NumberText number) {
-  Table table{{"method", "elements", "mass", "time errors are against", "which is good to", "power of epsilon"}, 4, {}};
+Table time_reference_table(const PrecisionResult& result, const NumberText& number) {
+  Table table{{"method", "elements", "mass", "time errors are against",
+               number.heading("which is good to", Dimension::length), "power of epsilon"},
+              4,
+              {}};
   for (const ErrorParts& parts : result.parts)
     table.rows.push_back(
         {std::string(name(parts.method)), fmt::format("{}", parts.elements), std::string(name(parts.mass)),
@@ -139,8 +153,8 @@ Table time_reference_table(const PrecisionResult& result, NumberText number) {
   return table;
 }
 
-Table mesh_table(const PrecisionReference& reference, NumberText number) {
-  Table table{{"elements", "difference to the next", "order"}, 0, {}};
+Table mesh_table(const PrecisionReference& reference, const NumberText& number) {
+  Table table{{"elements", number.heading("difference to the next", Dimension::length), "order"}, 0, {}};
   Sequence changes;
   for (const auto& [elements, difference] : reference.levels) {
     changes.add(1.0 / static_cast<double>(elements), difference.value_or(0.0), 0.0);
@@ -151,7 +165,7 @@ Table mesh_table(const PrecisionReference& reference, NumberText number) {
   return table;
 }
 
-std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result) {
+std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result, const NumberText& number) {
   std::vector<std::string> found;
   for (const PrecisionRow& row : result.rows)
     if (!row.failure.empty())
@@ -170,7 +184,7 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
       found.push_back(
           fmt::format("{} on {} elements does not tend to that semi-discrete solution: its time error stays "
                       "near {} however small the step",
-                      name(parts.method), parts.elements, plain_number(*stuck)));
+                      name(parts.method), parts.elements, number(*stuck, Dimension::length)));
   if (result.core_share < 0.9)
     found.push_back(
         fmt::format("Other work kept the machine busy: the timed runs had {:.0f} % of a core, so seconds are "
@@ -232,11 +246,13 @@ std::optional<double> epsilon_for(const ErrorParts& parts, double wanted) {
 
 }  // namespace
 
-std::string advice(const PrecisionResult& result, const ErrorParts& parts, NumberText number) {
+std::string advice(const PrecisionResult& result, const ErrorParts& parts, const NumberText& number) {
   const auto rows = rows_of(result, parts);
+  const auto length = [&](double value) { return number(value, Dimension::length); };
+  const auto penalty_of = [&](double epsilon) { return number(epsilon, number.of_epsilon); };
   const auto time = smallest_time_error(rows);
   if (!time) return parts.problem.empty() ? "no run to judge by" : "the time error is not known: " + parts.problem;
-  if (!parts.space) return fmt::format("the time error comes down to {}; the others are not known", number(*time));
+  if (!parts.space) return fmt::format("the time error comes down to {}; the others are not known", length(*time));
   const double space = *parts.space, penalty = parts.penalty.value_or(0.0);
   const double rest = std::max(space, penalty);
   const char* setting = setting_word(parts.method);
@@ -244,32 +260,33 @@ std::string advice(const PrecisionResult& result, const ErrorParts& parts, Numbe
   if (*time + rest <= rounding) return "nothing but rounding in any part, whatever is paid";
   if (*time + parts.time_reference_error > rest && !resolved(*time, parts.time_reference_error))
     return fmt::format("time, below {} at the smallest {}, and {}, {}, are not told apart by this reference",
-                       number(*time + parts.time_reference_error), setting, penalty > space ? "the penalty" : "space",
-                       number(rest));
+                       length(*time + parts.time_reference_error), setting, penalty > space ? "the penalty" : "space",
+                       length(rest));
   if (*time > rest)
-    return fmt::format("time dominates down to the smallest {}: {}, against {} of {}", setting, number(*time),
-                       number(rest), penalty > space ? "the penalty" : "space");
+    return fmt::format("time dominates down to the smallest {}: {}, against {} of {}", setting, length(*time),
+                       length(rest), penalty > space ? "the penalty" : "space");
 
   std::string text = penalty > space
-                         ? fmt::format("the penalty dominates: {}, against {} of space", number(penalty), number(space))
-                         : fmt::format("space dominates: {}", number(space));
-  if (penalty > 0.0 && penalty <= space) text += fmt::format(", against {} of the penalty", number(penalty));
+                         ? fmt::format("the penalty dominates: {}, against {} of space", length(penalty), length(space))
+                         : fmt::format("space dominates: {}", length(space));
+  if (penalty > 0.0 && penalty <= space) text += fmt::format(", against {} of the penalty", length(penalty));
   std::string vain;
   if (const auto setting_enough = enough(rows, negligible * rest); setting_enough && *setting_enough > 0.0)
-    vain = fmt::format("a {} below {}", setting, number(*setting_enough));
+    vain = fmt::format("a {} below {}", setting,
+                       is_scheme(parts.method) ? number(*setting_enough, Dimension::time) : number(*setting_enough));
   if (parts.penalty && penalty <= space)
     if (const auto enough_epsilon = epsilon_for(parts, negligible * space))
-      vain += fmt::format("{}an epsilon below {}", vain.empty() ? "" : " or ", number(*enough_epsilon));
+      vain += fmt::format("{}an epsilon below {}", vain.empty() ? "" : " or ", penalty_of(*enough_epsilon));
   if (!vain.empty()) text += fmt::format("; {} buys nothing", vain);
   if (penalty > space) {
     const auto balanced = epsilon_for(parts, space);
-    text += balanced ? fmt::format("; below epsilon = {} the mesh is the larger part", number(*balanced))
+    text += balanced ? fmt::format("; below epsilon = {} the mesh is the larger part", penalty_of(*balanced))
                      : "; at which power of epsilon it falls is not settled, see viscobar check";
   }
   return text;
 }
 
-std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, NumberText number) {
+std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, const NumberText& number) {
   std::vector<Advice> all;
   for (const ErrorParts& parts : result.parts) {
     if (parts.elements != elements) continue;

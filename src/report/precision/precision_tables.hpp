@@ -28,30 +28,32 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
 
 /// The columns of precision.json and precision.csv, of which the table takes its own. They refer to the result.
 std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& result);
-Table precision_table(const PrecisionResult& result, NumberText number);
+Table precision_table(const PrecisionResult& result, const NumberText& number);
 
 /// In the order of the rows.
 std::vector<std::size_t> meshes_in(const PrecisionResult& result);
 
 /// The reference of the errors, and its own error.
-std::string reference_sentence(const PrecisionResult& result, NumberText number);
-Table time_reference_table(const PrecisionResult& result, NumberText number);
-Table mesh_table(const PrecisionReference& reference, NumberText number);
+std::string reference_sentence(const PrecisionResult& result, const NumberText& number);
+Table time_reference_table(const PrecisionResult& result, const NumberText& number);
+Table mesh_table(const PrecisionReference& reference, const NumberText& number);
+/// "step 0.01 s" or "tolerance 1e-06"
+std::string setting_text(MethodName method, double setting, const NumberText& number);
 
-std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result);
+std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionResult& result, const NumberText& number);
 
 /// Advice on cost: which part dominates, and from which tolerance (or step) and epsilon on nothing is gained.
-std::string advice(const PrecisionResult& result, const ErrorParts& parts, NumberText number);
+std::string advice(const PrecisionResult& result, const ErrorParts& parts, const NumberText& number);
 
 /// Advice for the methods on a mesh, those named together that get the same.
 struct Advice {
   std::string methods, text;
 };
-std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, NumberText number);
+std::vector<Advice> advice_on_mesh(const PrecisionResult& result, std::size_t elements, const NumberText& number);
 
 // The pictures of the page, on logarithmic axes; without panels where there is nothing to draw.
-Picture error_picture(const PrecisionResult& result);
-Picture time_error_picture(const PrecisionResult& result);
-Picture parts_picture(const PrecisionResult& result);
+Picture error_picture(const PrecisionResult& result, const NumberText& number);
+Picture time_error_picture(const PrecisionResult& result, const NumberText& number);
+Picture parts_picture(const PrecisionResult& result, const NumberText& number);
 
 }  // namespace viscobar

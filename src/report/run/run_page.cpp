@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "case/regime.hpp"
+#include "report/number_text.hpp"
 #include "results/csv.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
@@ -20,16 +21,7 @@ constexpr std::string_view whole_run = "<!--whole run-->";
 
 std::string seconds(double value) { return readable(value, 3) + " s"; }
 
-class InUnits {
- public:
-  explicit InUnits(const Case& run) : units_(run.scene.units) {}
-  std::string operator()(double value, Dimension quantity, int digits = 4) const {
-    return in_unit(readable(value, digits), units_, quantity);
-  }
-
- private:
-  const Units& units_;
-};
+NumberText on_page(const Case& run) { return NumberText(NumberText::For::page, run.scene); }
 
 /// True if anything does work on the bar: a load, a force on an end, or what moves ends and obstacles.
 bool worked_on(const Scene& scene) {
@@ -40,7 +32,8 @@ bool worked_on(const Scene& scene) {
 std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& outcome, const ReportData& data) {
   const Case& run = setup.run;
   Numbers all;
-  const InUnits with(run);
+  const NumberText number = on_page(run);
+  const auto with = [&](double value, Dimension quantity, int digits = 4) { return number(value, quantity, digits); };
   all.add("Method", method_words(run));
   if (is_adaptive(run.method)) {
     const Allowance absolute = allowance(run.tolerance, system, run.end);
@@ -49,7 +42,8 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
                         with(absolute.velocity, Dimension::velocity)));
   }
   if (is_scheme(run.method)) all.add("Time step", with(setup.step, Dimension::time));
-  if (data.has_springs() && has_penalty(setup.run.scene)) all.add("Penalty ε", readable(setup.epsilon));
+  if (data.has_springs() && has_penalty(setup.run.scene))
+    all.add("Penalty ε", number(setup.epsilon, number.of_epsilon, 4));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
           fmt::format("h = {}{}, {} mass", with(system.mesh().spacing(), Dimension::length),
@@ -163,7 +157,7 @@ std::string verdict(const ErrorEstimate& estimate) {
 std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
   Numbers all;
   const auto with = [&](double value, int digits = 2) {
-    return InUnits(run)(value, dimension_of(estimate.of), digits);
+    return on_page(run)(value, dimension_of(estimate.of), digits);
   };
   all.add("Error, estimated", with(estimate.total), of_words(estimate.of));
   all.add("of the mesh", with(estimate.space),
@@ -194,7 +188,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
   Page page(run.scene.title.empty() ? "A run of viscobar" : run.scene.title, run.scene);
   if (!outcome.error.empty())
     page.add_head(fmt::format("<p class=\"failed\"><b>The run did not complete.</b> It reached t = {}: {}</p>\n",
-                              InUnits(run)(outcome.reached_time, Dimension::time), sentence_html(outcome.error)));
+                              on_page(run)(outcome.reached_time, Dimension::time, 4), sentence_html(outcome.error)));
   for (const std::string& warning : outcome.warnings)
     page.add_head(fmt::format("<p class=\"warning\"><b>Warning.</b> {}</p>\n", sentence_html(warning)));
   if (data.field.rows() >= 2) {

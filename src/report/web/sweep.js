@@ -120,7 +120,7 @@ class SweepPage {
     const { data, state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
     const right = this.width - (second ? 0.1 * this.width + 84 : 20), x = this.axisOf(key, 92, right);
     const y = new Scale(spreadOf(points.map(({ value }) => value), state.log), SweepPage.height - 56, 14);
-    this.frame(svg, x, y, key.name, column.name);
+    this.frame(svg, x, y, key.label, column.label);
     const of = (index) => points.filter((point) => point.second === index);
     const count = second ? second.values.length : 1;
     for (let k = 0; k < count; ++k) {
@@ -138,7 +138,7 @@ class SweepPage {
         svgElement("path", { style: `fill:${css};stroke:${css}`, d: marker, transform: `translate(${right + 25} ${height})` }),
         svgElement("text", { x: right + 46, y: height, dy: ".35em" }, k === 18 ? "…" : this.valueText(second.values[k])));
     }
-    if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.name));
+    if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.label));
   }
 
   /// The mark of a case: a click on it shows its run.
@@ -160,7 +160,7 @@ class SweepPage {
     const scale = new Scale(spreadOf(points.map(({ value }) => value), state.log), 0, 1);
     const shade = (part) => `rgb(${mixed(data.anchors, Math.min(1, Math.max(0, part)))})`;
     const width = Math.abs(x.at(1) - x.at(0)), height = Math.abs(y.at(1) - y.at(0));
-    this.frame(svg, x, y, key.name, second.name);
+    this.frame(svg, x, y, key.label, second.label);
     for (const point of points) {
       const known = point.value !== null && (!state.log || point.value > 0);
       svg.append(this.shape(point, column, "rect", "cell", { x: x.at(point.x) - width / 2, y: y.at(point.second) - height / 2,
@@ -183,8 +183,8 @@ class SweepPage {
     const { chosen } = this.state, { data, keys } = this;
     this.detail.replaceChildren();
     if (chosen === null) return;
-    const entries = [...keys.map(({ name, values }, k) => [name, this.valueText(values[data.choice[chosen][k]])]),
-      ...data.columns.filter(({ values }) => values[chosen] !== null).map(({ name, values }) => [name, readable(values[chosen], 8)])];
+    const entries = [...keys.map(({ label, values }, k) => [label, this.valueText(values[data.choice[chosen][k]])]),
+      ...data.columns.filter(({ values }) => values[chosen] !== null).map(({ label, values }) => [label, readable(values[chosen], 8)])];
     const settings = keys.map(({ name, values }, k) => `--set '${name}=${values[data.choice[chosen][k]]}'`).join(" ");
     const error = data.errors[chosen];
     this.detail.append(element("h3", { textContent: `Case ${data.index[chosen]}` }),
@@ -197,7 +197,7 @@ class SweepPage {
   showList(points, column) {
     const most = 200, { keys, data } = this;
     const shown = points.slice(0, most);
-    const table = tableOf(["case", ...keys.map(({ name }) => name), column.name], shown.map(({ row, choice, value }) => ({
+    const table = tableOf(["case", ...keys.map(({ label }) => label), column.label], shown.map(({ row, choice, value }) => ({
       texts: [data.index[row], ...keys.map(({ values }, k) => this.valueText(values[choice[k]])),
         data.errors[row] ? "failed" : readable(value, 6)],
       action: () => this.choose(row) })));

@@ -267,10 +267,20 @@ void Search::difference(const Eigen::VectorXd& values, Compared compared, Misfit
     const FittedParameter& parameter = study_.parameters[k];
     const double step = 1e-4 * std::max({std::abs(values(k)), 1e-2 * std::abs(parameter.start), 1e-6});
     const double forth = values(k) + step <= parameter.high ? step : -step;
-    Eigen::VectorXd beside = values;
-    beside(k) += forth;
-    const Misfit other = run(beside, compared, false);
-    misfit.jacobian.col(k) = (other.residual - misfit.residual) / (beside(k) - values(k));
+    const auto quotient = [&](double by) {
+      Eigen::VectorXd beside = values;
+      beside(k) += by;
+      const Misfit other = run(beside, compared, false);
+      return Eigen::VectorXd((other.residual - misfit.residual) / (beside(k) - values(k)));
+    };
+    auto column = misfit.jacobian.col(k);
+    column = quotient(forth);
+    if (!jumps() || values(k) - forth < parameter.low || values(k) - forth > parameter.high) continue;
+    try {  // a sample over which a wave front passes on one side changes as the other one says
+      const Eigen::VectorXd back = quotient(-forth);
+      column = (back.array().abs() < column.array().abs()).select(back, column).eval();
+    } catch (const std::runtime_error&) {  // there is no run on that side
+    }
   }
 }
 

@@ -1,0 +1,16 @@
+#include "input/unit_of_key.hpp"
+
+#include "input/scene_keys.hpp"
+
+namespace viscobar {
+
+std::optional<UnitPowers> unit_of_key(std::string_view key, const Scene& scene) {
+  const SceneKey* row = find_scene_key(key);
+  auto unit = row ? unit_powers(row->unit) : std::nullopt;
+  if (key != "contact.epsilon" || !scene.span) return unit;
+  if (is_obstacle(scene.left) || is_obstacle(scene.right)) return std::nullopt;
+  ++(*unit)[0];
+  return unit;
+}
+
+}  // namespace viscobar

@@ -1,0 +1,32 @@
+#include "report/number_text.hpp"
+
+#include <fmt/format.h>
+
+#include "input/unit_of_key.hpp"
+#include "text/number.hpp"
+
+namespace viscobar {
+
+NumberText::NumberText(For reader, const Scene& scene)
+    : of_epsilon(unit_of_key("contact.epsilon", scene).value_or(UnitPowers{})), reader_(reader), units_(scene.units) {}
+
+std::string NumberText::unit(const UnitPowers& powers) const {
+  const std::string name = unit_name(units_, powers);
+  return reader_ == For::page ? squares(name) : name;
+}
+
+std::string NumberText::operator()(double value, int digits) const {
+  return reader_ == For::page ? readable(value, digits) : fmt::format("{:.{}g}", value, digits);
+}
+
+std::string NumberText::operator()(double value, const UnitPowers& powers, int digits) const {
+  const std::string name = unit(powers), number = (*this)(value, digits);
+  return name.empty() ? number : fmt::format("{}{}{}", number, reader_ == For::page ? "\u00a0" : " ", name);
+}
+
+std::string NumberText::heading(std::string_view words, const UnitPowers& powers) const {
+  const std::string name = unit(powers);
+  return name.empty() ? std::string(words) : fmt::format("{} [{}]", words, name);
+}
+
+}  // namespace viscobar

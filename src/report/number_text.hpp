@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "scene/unit_names.hpp"
+
+namespace viscobar {
+
+/// How a report writes its numbers: 1.23e-05 for the terminal, powers of ten on a page, with units where the scene
+/// names them.
+class NumberText {
+ public:
+  enum class For { terminal, page };
+  explicit NumberText(For reader, const Scene& scene = {});
+
+  std::string operator()(double value, int digits = 3) const;
+  /// "1.25 m/s"; without a unit the number alone.
+  std::string operator()(double value, const UnitPowers& unit, int digits = 3) const;
+  std::string operator()(double value, Dimension quantity, int digits = 3) const {
+    return (*this)(value, unit_powers(quantity), digits);
+  }
+  /// "time t [s]"; without a unit the words alone.
+  std::string heading(std::string_view words, const UnitPowers& unit) const;
+  std::string heading(std::string_view words, Dimension quantity) const {
+    return heading(words, unit_powers(quantity));
+  }
+
+  std::string unit(const UnitPowers& powers) const;  ///< empty where the scene does not name it
+
+  UnitPowers of_epsilon;  ///< the unit of epsilon; of none where it has several
+
+ private:
+  For reader_;
+  Units units_;
+};
+
+}  // namespace viscobar

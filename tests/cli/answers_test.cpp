@@ -1,0 +1,100 @@
+// Questions with one right answer: a fit from the truth, a datum behind a turning point, a stop that is soft on
+// purpose.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "cli/command.hpp"
+#include "support/scene_text.hpp"
+
+namespace viscobar {
+namespace {
+
+class Answers : public testing_cli::Command {
+ protected:
+  void write(const char* file, const std::string& text) const { std::ofstream(directory_ / file) << text; }
+
+  nlohmann::json fitted(const std::string& arguments) const {
+    const testing_cli::Ended ended = viscobar("fit scene.toml --json -o fitted " + arguments);
+    EXPECT_EQ(ended.code, 0) << arguments << ended.error;
+    return ended.code == 0 ? ended.json() : nlohmann::json::object();
+  }
+};
+
+// The model of a fit is that of the run: its data leave no residual at the truth, where it also ends from beside. The
+// elastic bar's velocities jump at samples, at the contact's and where only a wave passes.
+TEST_F(Answers, AFitHasTheMethodTheLawAndTheMassOfTheRun) {
+  struct {
+    const char *scene, *key, *method;
+    double truth, beside;
+  } const fits[] = {{"span", "bar.viscosity", "fully_discrete", 0.2, 0.23},
+                    {"throw", "bar.modulus", "characteristics", 1.0, 1.03},
+                    {"throw", "bar.density", "characteristics", 1.0, 0.98},
+                    {"throw", "left.gap", "characteristics", 0.1, 0.11}};
+  const std::string span =
+      "[bar]\nlength = 1.0\nviscosity = 0.2\n[span]\ngap = 0.1\n[initial]\nvelocity = \"-sin(pi*x)\"\n[time]\nend = "
+      "2.0\n[mesh]\nelements = 20\n[output]\nevery = 0.02\n";
+  const std::string elastic =
+      "bar.length = 1.0\nleft.kind = \"obstacle\"\nleft.gap = 0.1\ninitial.velocity = -1\n"
+      "time.end = 3.0\nmesh.elements = 20\noutput.every = 0.02\n";
+  for (const auto& [scene, key, method, truth, beside] : fits) {
+    write("scene.toml", scene == std::string("span") ? span : elastic);
+    ASSERT_EQ(viscobar("run scene.toml -q --no-estimate -o made").code, 0);
+    for (const double start : {truth, beside}) {
+      SCOPED_TRACE(fmt::format("{} of {} from {}", key, scene, start));
+      const auto json = fitted(fmt::format("--data made/ends.csv --parameters {0} --set {0}={1}", key, start));
+      EXPECT_EQ(json["method"], method);
+      const auto& found = json["parameters"][key];
+      // The rounding of the data, 2^-53 of each, and the steps of 1e-9 below which a search ends.
+      EXPECT_LE(std::abs(found["estimate"].get<double>() - truth),
+                4.0 * found["standard_deviation"].get<double>() + 1e-8 * truth)
+          << found;
+      EXPECT_LT(json["residual"], 1e-3);
+    }
+  }
+}
+
+// A lone mass falls by 1/2 under g = 1 and bounces; seven times later it is on its third way up and down. With n
+// bounces of speeds e^k its height then is e^(n + 1) s - s^2 / 2, s = 7 - 2 (e + ... + e^n). From 0.8 up to 0.95 that
+// has a turning point in each flight, and none is as high as the datum.
+TEST_F(Answers, AFitPassesTurningPointsThatDoNotReachTheDatum) {
+  write("scene.toml",
+        "bar.length = 2.0\nbar.modulus = 1e-12\nleft.kind = \"obstacle\"\nleft.gap = 0.5\n"
+        "right.kind = \"fixed\"\nload.density = -1\ntime.end = 8.0\nmesh.elements = 1\n"
+        "mesh.mass = \"lumped\"\ncontact.restitution = 0.8\ncontact.epsilon = 1e-9\n"
+        "method.name = \"cvode\"\n");
+  const double e = 0.98, s = 7.0 - 2.0 * (e + e * e + e * e * e);
+  write("data.csv", fmt::format("t,u_left\n8,{}\n", e * e * e * e * s - 0.5 * s * s - 0.5));
+  const auto found = fitted("--data data.csv --parameters contact.restitution")["parameters"]["contact.restitution"];
+  // The spring lasts pi (m epsilon)^(1/2) = 1e-4 in each of three bounces; the datum's deviation is 1 %.
+  EXPECT_NEAR(found["estimate"], e, 3e-4);
+  EXPECT_LT(found["standard_deviation"], 0.1);
+}
+
+TEST_F(Answers, AStopOfAGivenStiffnessIsNoObstacleThatIsTooSoft) {
+  write("scene.toml", falling_bar_with({{"contact.epsilon", "1.0"}}));
+  const auto told = [&](const std::string& arguments) {
+    const testing_cli::Ended ended = viscobar(arguments + " --json");
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    return ended.code == 0 ? ended.json()["warnings"].dump() : "";
+  };
+  for (const std::string command : {"check scene.toml", "run scene.toml --no-estimate -o out"})
+    EXPECT_NE(told(command).find("right if such a stop is meant"), std::string::npos) << told(command);
+  write("scene.toml", falling_bar_with({{"contact.epsilon", "1.0"}, {"contact.law", "\"spring_damper\""}}));
+  const std::string stop = " --set contact.epsilon= --set contact.stiffness=1";
+  for (const std::string command : {"check scene.toml", "run scene.toml --no-estimate -o out"})
+    EXPECT_EQ(told(command + stop), "[]");
+}
+
+// From t = 1/2 on the obstacle is where nothing comes to: the touch at 0.1 is the only one.
+TEST_F(Answers, AnObstacleMayJumpAway) {
+  write("scene.toml", falling_bar_with({{"left.gap", "\"t < 0.5 ? 0.1 : 9\""}}));
+  const testing_cli::Ended ended = viscobar("run scene.toml --no-estimate -o out --json --set contact.epsilon=");
+  ASSERT_EQ(ended.code, 0) << ended.error;
+  EXPECT_EQ(ended.json()["contact"]["left"]["closings"], 1);
+  EXPECT_NEAR(ended.json()["contact"]["left"]["time_in_contact"], 0.4, 1e-5);
+}
+
+}  // namespace
+}  // namespace viscobar
