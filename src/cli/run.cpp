@@ -174,9 +174,10 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   constexpr double little = 1e-3;
   const double advanced = outcome.reached_time - began.value_or(outcome.reached_time);
   if (out_of_time && outcome.ending == Ending::interrupted && advanced < little * scene.run.end)
-    complain(fmt::format("in that time the run advanced by {:.2g} of {:.6g}, for its start took the rest: give "
-                         "--wall-time more",
-                         advanced, scene.run.end));
+    complain(
+        fmt::format("in that time the run advanced by {:.2g} of {:.6g}, for its start took the rest: give "
+                    "--wall-time more",
+                    advanced, scene.run.end));
   const auto& estimate = outcome.error_estimate;
   const bool missed = outcome.ending == Ending::completed && estimate && estimate->requested && !estimate->kept;
   if (missed) complain(fmt::format("the error that was asked for is not kept: {}", estimate->doubt));

@@ -252,7 +252,8 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
     for (const SceneKey& own : scene_keys())
       if (own.table() == entry.key) faulty_.emplace(own.name);
   } else if (const std::string inner = fmt::format("{}.{}", table, entry.key); is_inner_table(inner)) {
-    report_at(key_place, inner, fmt::format("must be a table, such as {{ {} }}; is {}", inner_example(inner), kind_of(entry.value)));
+    report_at(key_place, inner,
+              fmt::format("must be a table, such as {{ {} }}; is {}", inner_example(inner), kind_of(entry.value)));
     for (const SceneKey& own : scene_keys())
       if (own.name.starts_with(inner + ".")) faulty_.emplace(own.name);
   } else {

@@ -321,9 +321,10 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
 void check_restitution(SceneEntries& entries, const Case& run) {
   if (!has_stops(run.scene) || has_penalty(run.scene) || entries.given("contact.speed")) return;
   if (entries.sound("contact.restitution"))
-    entries.report("contact.restitution",
-                   "belongs to the penalty and the rigid obstacle, and every obstacle here has a law of its own: leave it "
-                   "out, and give the law its damping, or hunt_crossley its restitution and speed");
+    entries.report(
+        "contact.restitution",
+        "belongs to the penalty and the rigid obstacle, and every obstacle here has a law of its own: leave it "
+        "out, and give the law its damping, or hunt_crossley its restitution and speed");
 }
 
 Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {

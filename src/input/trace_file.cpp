@@ -180,7 +180,12 @@ class TraceReader {
  public:
   TraceReader(const std::filesystem::path& file, const Cells& known, const Cells& required, const Cells& words,
               std::string_view places)
-      : file_(file.string()), known_(known), required_(required), words_(words), places_given_(places), places_name_(plain_name(places)) {}
+      : file_(file.string()),
+        known_(known),
+        required_(required),
+        words_(words),
+        places_given_(places),
+        places_name_(plain_name(places)) {}
 
   TraceFile read() {
     const std::string text = text_of(file_);
@@ -277,7 +282,8 @@ class TraceReader {
       report(k + 1, cells[k],
              fmt::format("unknown column; nearest is \"{}\"", written == required_.end() ? *nearest : *written));
     }
-    const bool names = std::ranges::none_of(cells, [](const std::string& cell) { return number_of(cell).value.has_value(); });
+    const bool names =
+        std::ranges::none_of(cells, [](const std::string& cell) { return number_of(cell).value.has_value(); });
     for (const std::string& name : required_)
       if (!table_.column(plain_name(name)))
         report(1, name == "t" && !places_given_.empty() ? places_given_ : name,
@@ -346,8 +352,8 @@ class TraceReader {
       if (column.name != "t" && !contains(words_, column.name)) remove_codes(file_, table_, column);
     }
     const auto equal = std::ranges::adjacent_find(t);
-    table_.understood = fmt::format("{}: {} rows, {} from {} to {}, of {}", file_, table_.rows, labelled(*table_.column("t")),
-                                    t.front(), t.back(), fmt::join(names, ", "));
+    table_.understood = fmt::format("{}: {} rows, {} from {} to {}, of {}", file_, table_.rows,
+                                    labelled(*table_.column("t")), t.front(), t.back(), fmt::join(names, ", "));
     const auto add = [&](bool holds, const std::string& what) {
       if (holds) table_.understood += "; " + what;
     };

@@ -96,14 +96,14 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   const double last = t.values.back(), end = scene.run.end;
   // The last contact may be early.
   if (last > far * end || (last > 0.0 && far * last < end && !table.column("where")))
-    throw std::invalid_argument(
-        fmt::format("{}: the last time is {:.6g}, and the scene ends at {:.6g}: are they in different units{}? If they are "
-                    "not, say --set time.end={:.6g}",
-                    file, last, end,
-                    t.unit.empty() || !scene.run.scene.units.time.empty()
-                        ? ", such as milliseconds and seconds"
-                        : fmt::format(" (the file says {}, and the scene has no units.time)", t.unit),
-                    last));
+    throw std::invalid_argument(fmt::format(
+        "{}: the last time is {:.6g}, and the scene ends at {:.6g}: are they in different units{}? If they are "
+        "not, say --set time.end={:.6g}",
+        file, last, end,
+        t.unit.empty() || !scene.run.scene.units.time.empty()
+            ? ", such as milliseconds and seconds"
+            : fmt::format(" (the file says {}, and the scene has no units.time)", t.unit),
+        last));
   return table;
 }
 

@@ -184,9 +184,9 @@ TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedAndOneThatJumpsAwayRuns) {
 // The obstacle jumps away from a bar that has left it, or from one that it holds, which comes to it again.
 TEST(MovingObstacle, ThatJumpsAwayLeavesTheDerivativesThatDifferencesHave) {
   const std::vector<std::string> keys = {"bar.viscosity", "parameters.near", "parameters.far"};
-  for (const auto& [jump, contact] :
-       {std::pair{0.9, "epsilon = 1e-2\n"}, {0.9, "law = \"spring_damper\"\nstiffness = 60\ndamping = 1\n"},
-        {0.3, "epsilon = 1e-2\n"}}) {
+  for (const auto& [jump, contact] : {std::pair{0.9, "epsilon = 1e-2\n"},
+                                      {0.9, "law = \"spring_damper\"\nstiffness = 60\ndamping = 1\n"},
+                                      {0.3, "epsilon = 1e-2\n"}}) {
     const std::string scene = fmt::format(
         "[bar]\nlength = 1\nviscosity = 0.2\n[parameters]\nnear = 0.1\nfar = 0.3\n[left]\nkind = \"obstacle\"\n"
         "gap = \"t < {} ? near : far\"\n[right]\nkind = \"free\"\nforce = -2.0\n[initial]\nvelocity = \"-1 + 0.1*x\"\n"
@@ -199,8 +199,7 @@ TEST(MovingObstacle, ThatJumpsAwayLeavesTheDerivativesThatDifferencesHave) {
         set.insert(set.end(), {"method.name=" + method, "method.relative_tolerance=1e-10"});
         return record(parse_scene(scene, "", set).run);
       };
-      const Recording bar =
-          run({"sensitivity.of=[\"bar.viscosity\", \"parameters.near\", \"parameters.far\"]"});
+      const Recording bar = run({"sensitivity.of=[\"bar.viscosity\", \"parameters.near\", \"parameters.far\"]"});
       ASSERT_TRUE(bar.statistics.sensitivity);
       EXPECT_FALSE(bar.statistics.sensitivity->lost) << bar.statistics.sensitivity->why;
       const bool held = jump < 0.5;
