@@ -52,11 +52,11 @@ std::string unknown_table(std::string_view table) {
                  : fmt::format("unknown table; known are {}", listed(scene_tables()));
 }
 
-// Examples of the keys of a table within a table that must be there.
+// Examples of the first two keys of a table within a table.
 std::string inner_example(std::string_view inner) {
   std::string all;
   for (const SceneKey& key : scene_keys())
-    if (key.name.starts_with(inner) && all.size() < 40)
+    if (key.name.starts_with(inner) && all.find(',') == all.npos)
       all += fmt::format("{}{} = {}", all.empty() ? "" : ", ", key.name.substr(inner.size() + 1), key.example);
   return all;
 }

@@ -56,7 +56,11 @@ class NodalBar:
             stiffness = stiffness + M * (k0 + k1 * x)
             damping = damping + M * (c0 + c1 * x)
         if "stiffness" in self.series:
-            stiffness = stiffness + M * self.function("stiffness")(x)
+            at_nodes = self.function("stiffness")(x)
+            if not self.series["stiffness"]["cubic"]:  # springs with kinks have their means over hat functions
+                at_nodes = self.moments("stiffness", x) * self.elements / self.length
+                at_nodes[[0, -1]] *= 2
+            stiffness = stiffness + M * at_nodes
         load = M @ np.full(n, self.load or 0.0)
         inertia = self.density * M
         for i, end in ((0, self.ends[0]), (n - 1, self.ends[1])):
@@ -181,19 +185,16 @@ class NodalBar:
         return y
 
     def start_velocity(self, M, x):
-        """At the nodes; of a function with kinks M v_0 are its moments, by Gauss' rule between nodes and kinks."""
-        u1, one = self.function("velocity"), self.series["velocity"]
-        if one["cubic"]:
-            return u1(x)
-        cuts = np.union1d(x, one["places"])
-        node, weight = np.polynomial.legendre.leggauss(3)
-        moments = np.zeros(len(x))
-        for a, b in zip(cuts[:-1], cuts[1:]):
-            at = (a + b) / 2 + (b - a) / 2 * node
-            for i in range(len(x)):
-                hat = np.maximum(0, 1 - np.abs(at - x[i]) * self.elements / self.length)
-                moments[i] += (b - a) / 2 * np.sum(weight * hat * u1(at))
-        return np.linalg.solve(M, moments)
+        """At the nodes; of a function with kinks M v_0 are its moments."""
+        return self.function("velocity")(x) if self.series["velocity"]["cubic"] else np.linalg.solve(M, self.moments("velocity", x))
+
+    def moments(self, key, x):
+        """int phi_i f dx, by Gauss' rule between nodes and samples."""
+        f, cuts = self.function(key), np.union1d(x, self.series[key]["places"])
+        node, weight = np.polynomial.legendre.leggauss(4)
+        at = (cuts[:-1, None] + cuts[1:, None] + np.diff(cuts)[:, None] * node) / 2
+        hats = np.maximum(0, 1 - np.abs(at - x[:, None, None]) * self.elements / self.length)
+        return np.sum(hats * f(at) * weight * np.diff(cuts)[:, None] / 2, axis=(1, 2))
 
     def gauge(self, u, v, x, towards):
         """u, v, strain, stress by the polynomial of degree 5 through the six nodes around x; at a node those on the side

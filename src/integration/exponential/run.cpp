@@ -74,18 +74,18 @@ void Run::pass_kink() {
   system_.pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_) ends_->pass_kink(change);
-  for (Index k = 0; k < leg().displacements(); ++k) {
-    const std::size_t i = first_displacement() + static_cast<std::size_t>(k);
-    y_[k] = u[i] - propagators_.origin()[static_cast<Index>(i)];
-  }
+  for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
+    y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
   if (jump->displaces()) leave_obstacles(*jump, u, w);
   if (statistics_.energy) statistics_.energy->work += penalised_.energy(u, w) - before;
 }
 
-void Run::leave_obstacles(const FrameJump& jump, std::span<const double> u, std::span<const double> w) {
+void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w) {
   for (const std::size_t c : left_by_jump(penalised_, jump, t_, u, largest_displacement_)) {
     penalised_.set_closed(c, false);
+    penalised_.complete_displacement(t_, u);
+    penalised_.complete_velocity(t_, u, w);
     tell_change(c, penalised_.contact(c).of(w));
   }
   begin_leg();

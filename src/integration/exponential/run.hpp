@@ -82,7 +82,7 @@ class Run {
   void pass_kink();    // where what holds or bounds an end changes its velocity at once
   // Puts high modes at their equilibrium (see JumpFilter): at the start, or where the load breaks.
   void settle_high_modes(bool starting);
-  void leave_obstacles(const FrameJump& jump, std::span<const double> u, std::span<const double> w);
+  void leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w);
   // The unknown whose displacement is the first of y.
   std::size_t first_displacement() const {
     return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.massive_begin();
