@@ -129,7 +129,6 @@ TEST(Law, WantsItsOwnNumbersAndNoOthers) {
       "[bar]\nlength = 1\n[left]\nkind = \"free\"\ncontact = { law = \"hertz\", stiffness = 3 }\n[initial]\nvelocity "
       "= 1\n[time]\nend = 1\n",
       "left.contact.law", "belongs to an obstacle");
-  expect(scene("", "contact = 3\n"), "left.contact", "unknown key");
 }
 
 // The exact a = lambda V of e, which 3 (1 - e) / 2 is only for e near 1.
