@@ -388,13 +388,16 @@ std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& 
 
   const Scene& scene = run.scene;
   check_times(setup, findings);
-  if (is_penalised(run.method) && end_obstacles(scene) > 0 && scene.span && !run.epsilon &&
-      findings.sound({"method.name"}))
-    findings.report("contact.epsilon",
-                    "is missing: {} penalises the obstacles, and for ends and span together there is no "
-                    "natural one, for it is a penetration per stress at an end and per force on a volume "
-                    "under the span",
-                    name(run.method));
+  if (is_penalised(run.method) && has_end_penalty(scene) && scene.span && !run.epsilon &&
+      findings.sound({"method.name"})) {
+    const auto law = law_refusal("", scene.left_input, scene.right_input);
+    findings.report(
+        "contact.epsilon",
+        "is missing: {}{} penalises the obstacles that have no law, and for ends and span together there is "
+        "no natural one, for it is a penetration per stress at an end and per force on a volume under the "
+        "span",
+        name(run.method), run.automatic && law ? fmt::format(", chosen for {},", law->key) : "");
+  }
   if (is_fixed(scene.left) && is_fixed(scene.right) && run.elements < 2)
     findings.report("mesh.elements", "both ends are fixed: 2 elements are needed for one unknown node");
   if (findings.sound({"mesh.mass", "method.name"})) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/end_kinds.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -18,7 +19,7 @@ inline bool is_no_obstacle(double penetration, double displacement) {
 
 /// natural_epsilon() in letters.
 inline const char* natural_epsilon_words(const Scene& scene) {
-  return scene.span && end_obstacles(scene) == 0 ? "L^2/E" : "L/E";
+  return scene.span && !has_end_penalty(scene) ? "L^2/E" : "L/E";
 }
 
 /// Remedies for an epsilon at which the bar goes through the obstacle, in keys of the scene.

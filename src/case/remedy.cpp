@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <initializer_list>
-#include <string_view>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,8 +13,8 @@ namespace viscobar {
 namespace {
 
 /// The words of those that help, as a list.
-std::string choice(std::initializer_list<std::pair<bool, std::string_view>> all) {
-  std::vector<std::string_view> words;
+std::string choice(std::initializer_list<std::pair<bool, std::string>> all) {
+  std::vector<std::string> words;
   for (const auto& [helps, word] : all)
     if (helps) words.push_back(word);
   std::string text;
@@ -23,16 +23,28 @@ std::string choice(std::initializer_list<std::pair<bool, std::string_view>> all)
   return text;
 }
 
+// Of the first stop with a law of its own; empty where there is none.
+std::string stop_key(const Scene& scene) {
+  for (const auto& [end, input] : {std::pair{"left", &scene.left_input}, {"right", &scene.right_input}})
+    if (input->stop) return input->stop->key(end, "stiffness");
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
+    if (const auto& stop = scene.chain[k].joint.stop) return stop->key(fmt::format("joint.{}", k + 1), "stiffness");
+  return {};
+}
+
 }  // namespace
 
 std::string remedy(const Case& run, Failure why) {
-  const bool penalty = has_penalty(run.scene), stop = has_stops(run.scene);
-  const std::pair<bool, std::string_view> larger{penalty, "a larger contact.epsilon"},
-      softer{stop, "a smaller contact.stiffness"}, massless{may_be_massless(run), "mesh.mass = \"redistributed\""};
+  const bool penalty = has_penalty(run.scene);
+  const std::string stop = stop_key(run.scene);
+  const std::pair<bool, std::string> larger{penalty, "a larger contact.epsilon"},
+      softer{!stop.empty(), "a smaller " + stop}, massless{may_be_massless(run), "mesh.mass = \"redistributed\""},
+      gentler{penalty || !stop.empty(), "take " + choice({larger, softer})};
   switch (why) {
     case Failure::accuracy:
-      return "loosen method.relative_tolerance and method.absolute_tolerance, take a larger contact.epsilon, or check "
-             "the load for jumps";
+      return choice({{true, "loosen method.relative_tolerance and method.absolute_tolerance"},
+                     gentler,
+                     {true, "check the load for jumps"}});
     case Failure::digits: return "loosen method.relative_tolerance or raise method.absolute_tolerance";
     case Failure::stiffness:
       return fmt::format(
@@ -42,20 +54,22 @@ std::string remedy(const Case& run, Failure why) {
       return fmt::format("{}, a smaller bar.viscosity or bar.modulus, or a larger bar.density",
                          is_scheme(run.method) ? "take a shorter method.step" : "choose an earlier time.end");
     case Failure::overflow:
-      return "the numbers of the scene are too large, too small, or too far apart: bring initial data, load, bar.modulus, "
-             "bar.density and contact.epsilon nearer to one by a choice of units";
+      return fmt::format(
+          "the numbers of the scene are too large, too small, or too far apart: bring initial data, load, bar.modulus, "
+          "bar.density{}{} nearer to one by a choice of units",
+          penalty ? ", contact.epsilon" : "", stop.empty() ? "" : ", " + stop);
     case Failure::load:
       return "change the formula that the message names: until time.end a load or force must be finite and smooth "
              "between jumps, a motion must not jump, and a gap only away from the bar";
     case Failure::short_end: return "choose a later time.end, or a longer output.every";
     case Failure::length:
-      return "choose an earlier time.end, loosen method.relative_tolerance, or take a larger contact.epsilon";
+      return choice({{true, "choose an earlier time.end"}, {true, "loosen method.relative_tolerance"}, gentler});
     case Failure::chatter:
       return fmt::format(
           "contact nodes bounce without end: take {}",
           choice({massless, {penalty && run.restitution != 0.0, "contact.restitution = 0"}, larger, softer}));
     case Failure::brief_contact: return fmt::format("take {}", choice({larger, softer, massless}));
-    case Failure::toggling: return "take a larger contact.epsilon, or measure displacements from the obstacle";
+    case Failure::toggling: return choice({gentler, {true, "measure displacements from the obstacle"}});
     case Failure::detail:
       return "choose an earlier time.end, a positive bar.viscosity with another method.name, or rigid";
     case Failure::memory: return "take fewer mesh.elements";

@@ -138,12 +138,12 @@ Mass common_mass(const Case& run) {
 
 double natural_epsilon(const Scene& scene) {
   const double unit = scene.bar.length / scene.bar.modulus;
-  return scene.span && end_obstacles(scene) == 0 ? unit * scene.bar.length : unit;
+  return scene.span && !has_end_penalty(scene) ? unit * scene.bar.length : unit;
 }
 
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
-  if (scene.span && !run.epsilon) return {MethodName::fully_discrete, ""};
+  if (scene.span && !run.epsilon && !has_stops(scene)) return {MethodName::fully_discrete, ""};
   MethodName meshed = MethodName::rigid;
   for (std::size_t k = 0; k + 1 < scene.chain.size() && meshed == MethodName::rigid; ++k) {
     const bool contact = scene.chain[k].joint.kind == JointKind::contact;

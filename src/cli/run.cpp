@@ -134,7 +134,9 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   catch_interrupts();
   std::optional<Progress> progress;
   if (!quiet && !json && on_terminal()) progress.emplace();
+  std::optional<double> began;
   options.progress = [&](double time, std::size_t steps) {
+    if (!began) began = time;
     constexpr std::size_t between_looks = 16;
     if (!progress || steps % between_looks != 0 || !progress->due()) return;
     const double share = std::clamp(time / scene.run.end, 0.0, 1.0);
@@ -167,6 +169,13 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
     complain(fmt::format(
         "stopped at t = {}: {}", outcome.reached_time,
         out_of_time && outcome.ending == Ending::interrupted ? "the time of --wall-time is over" : outcome.error));
+  constexpr double little = 1e-3;
+  const double advanced = outcome.reached_time - began.value_or(outcome.reached_time);
+  if (out_of_time && outcome.ending == Ending::interrupted && advanced < little * scene.run.end)
+    complain(
+        fmt::format("in that time the run advanced by {:.2g} of {:.6g}, for its start took the rest: give "
+                    "--wall-time more",
+                    advanced, scene.run.end));
   const auto& estimate = outcome.error_estimate;
   const bool missed = outcome.ending == Ending::completed && estimate && estimate->requested && !estimate->kept;
   if (missed) complain(fmt::format("the error that was asked for is not kept: {}", estimate->doubt));

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <span>
 #include <string>
+#include <vector>
 
-#include "viscobar/dynamics/bar_system.hpp"
+#include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
 
@@ -19,6 +22,22 @@ inline std::string into_the_bar(const Contact& contact, double t) {
       "the obstacle at the {} end jumps into the bar at t = {}: no bar follows at once, so let it move there in a time "
       "that the mesh resolves, such as gap = \"1 - 0.5*min(max((t-{})/0.01, 0), 1)\"",
       contact.where == Where::right ? "right" : "left", t, t);
+}
+
+/// Closed contacts that a jump of their obstacles at t leaves open; u are displacements behind it, in a frame that
+/// follows it, and at most `largest`. @throws LoadError where an obstacle jumps into the bar
+inline std::vector<std::size_t> left_by_jump(const PenalisedSystem& system, const FrameJump& jump, double t,
+                                             std::span<const double> u, double largest) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < system.contact_count(); ++i) {
+    const Contact& contact = system.contact(i);
+    const double towards = contact.sign * jump.displacement.at(system.bar().share(contact.unknown));
+    const double clear = system.clearance(i, u);
+    if (towards == 0.0 || (clear >= -system.clearance_rounding(i, largest) && !system.closed(i))) continue;
+    if (towards > 0.0) throw LoadError(t, into_the_bar(contact, t));
+    if (clear > 0.0) left.push_back(i);
+  }
+  return left;
 }
 
 }  // namespace viscobar

@@ -52,6 +52,15 @@ std::string unknown_table(std::string_view table) {
                  : fmt::format("unknown table; known are {}", listed(scene_tables()));
 }
 
+// Examples of the first two keys of a table within a table.
+std::string inner_example(std::string_view inner) {
+  std::string all;
+  for (const SceneKey& key : scene_keys())
+    if (key.name.starts_with(inner) && all.find(',') == all.npos)
+      all += fmt::format("{}{} = {}", all.empty() ? "" : ", ", key.name.substr(inner.size() + 1), key.example);
+  return all;
+}
+
 // Entries of a table, those of a table within it by their keys "inner.leaf".
 std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::string& table) {
   std::vector<TomlNode> all;
@@ -242,6 +251,11 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
                   : fmt::format("must be a table, written [{}]; is {}", entry.key, kind_of(entry.value)));
     for (const SceneKey& own : scene_keys())
       if (own.table() == entry.key) faulty_.emplace(own.name);
+  } else if (const std::string inner = fmt::format("{}.{}", table, entry.key); is_inner_table(inner)) {
+    report_at(key_place, inner,
+              fmt::format("must be a table, such as {{ {} }}; is {}", inner_example(inner), kind_of(entry.value)));
+    for (const SceneKey& own : scene_keys())
+      if (own.name.starts_with(inner + ".")) faulty_.emplace(own.name);
   } else {
     const SceneKey* nearest =
         nearest_scene_key(table, entry.key, [&](const SceneKey& one) { return takes(one.type, entry.value); });

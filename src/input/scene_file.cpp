@@ -316,6 +316,16 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
   }
 }
 
+// Of [contact], where every obstacle has a law of its own.
+void check_restitution(SceneEntries& entries, const Case& run) {
+  if (!has_stops(run.scene) || has_penalty(run.scene) || entries.given("contact.speed")) return;
+  if (entries.sound("contact.restitution"))
+    entries.report(
+        "contact.restitution",
+        "belongs to the penalty and the rigid obstacle, and every obstacle here has a law of its own: leave it "
+        "out, and give the law its damping, or hunt_crossley its restitution and speed");
+}
+
 Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
   Case run = case_of(entries);
   if (adapt) {
@@ -325,6 +335,7 @@ Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
     if (!run.automatic) run.reservation.clear();
   }
   check_sensitivity(entries, run);
+  check_restitution(entries, run);
   check_series(entries, run);
   Setup setup = resolve(std::move(run));
   for (const Finding& finding : faults(setup, entries.faulty_keys())) entries.report(finding.key, finding.problem);

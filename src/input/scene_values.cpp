@@ -122,7 +122,9 @@ std::string list_problem(const SceneKey& key, const TomlValue& value) {
 
 std::string numbers_problem(const SceneKey& key, const TomlValue& value) {
   const auto numbers = numbers_of(value);
-  if (!numbers) return fmt::format("must be a list of numbers, such as {}, is {}", key.example, kind_of(value));
+  if (!numbers)
+    return fmt::format("must be a list of numbers, such as {}, is {}{}", key.example, kind_of(value),
+                       std::holds_alternative<std::vector<std::string>>(value) ? " of strings" : "");
   for (const double number : *numbers)
     if (const std::string problem = range_problem(key.range, number); !problem.empty()) return "an entry " + problem;
   return {};

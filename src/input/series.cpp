@@ -253,8 +253,9 @@ std::pair<std::vector<double>, std::vector<double>> measured(const SeriesTable& 
         fmt::format("a series has a file and a column, or places {} and values", request.variable));
   if (table.find("values")) throw std::invalid_argument("a series has a file, or values, and not both");
   const auto* of_places = table.get<std::string>(table.find("time") ? "time" : name, "the name of a column");
-  const std::string places_name = of_places ? *of_places : name, values_name = plain_name(*column);
-  TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", values_name}, {}, places_name);
+  const std::string places_name = of_places ? *of_places : name;
+  const std::string named = column->substr(0, column->find_first_of("[(/")), values_name = plain_name(named);
+  TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", named}, {}, places_name);
   if (!read.doubts.empty()) throw std::invalid_argument(read.doubts.front());
   const TraceFile::Column &at = *read.column("t"), &of = *read.column(values_name);
   const double place_ratio = ratio(at, places_name, request.place_unit);
@@ -274,6 +275,7 @@ std::pair<std::vector<double>, std::vector<double>> given(const SeriesTable& tab
   if (!places || !values)
     throw std::invalid_argument(
         fmt::format("a series has a file and a column, or places {} and values", request.variable));
+  if (table.find("column")) throw std::invalid_argument("column is one of a file, and values stand here: leave it out");
   if (places->size() != values->size())
     throw std::invalid_argument(
         fmt::format("{} has {} numbers and values {}", request.variable, places->size(), values->size()));

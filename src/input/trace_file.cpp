@@ -180,7 +180,12 @@ class TraceReader {
  public:
   TraceReader(const std::filesystem::path& file, const Cells& known, const Cells& required, const Cells& words,
               std::string_view places)
-      : file_(file.string()), known_(known), required_(required), words_(words), places_name_(plain_name(places)) {}
+      : file_(file.string()),
+        known_(known),
+        required_(required),
+        words_(words),
+        places_given_(places),
+        places_name_(plain_name(places)) {}
 
   TraceFile read() {
     const std::string text = text_of(file_);
@@ -272,11 +277,18 @@ class TraceReader {
       extra.push_back(cells[k]);
       // One that is there under its own name is not meant by another.
       const auto nearest = nearest_name(named(cells[k]).first, known_);
-      if (nearest && !table_.column(*nearest))
-        report(k + 1, cells[k], fmt::format("unknown column; nearest is \"{}\"", *nearest));
+      if (!nearest || table_.column(*nearest)) continue;
+      const auto written = std::ranges::find_if(required_, [&](auto& one) { return plain_name(one) == *nearest; });
+      report(k + 1, cells[k],
+             fmt::format("unknown column; nearest is \"{}\"", written == required_.end() ? *nearest : *written));
     }
+    const bool names =
+        std::ranges::none_of(cells, [](const std::string& cell) { return number_of(cell).value.has_value(); });
     for (const std::string& name : required_)
-      if (!table_.column(name)) report(1, name, "is missing: a line above the values names the columns");
+      if (!table_.column(plain_name(name)))
+        report(1, name == "t" && !places_given_.empty() ? places_given_ : name,
+               names ? fmt::format("is missing; the columns are {}", fmt::join(cells, ", "))
+                     : "is missing: a line above the values names the columns");
     if (!extra.empty()) left(fmt::format("columns {}", fmt::join(extra, ", ")));
   }
 
@@ -336,13 +348,12 @@ class TraceReader {
     const bool sorted = sort_rows(table_);
     Cells names;
     for (TraceFile::Column& column : table_.columns) {
-      if (column.name != "t") names.push_back(column.name + (column.unit.empty() ? "" : " [" + column.unit + "]"));
+      if (column.name != "t") names.push_back(labelled(column));
       if (column.name != "t" && !contains(words_, column.name)) remove_codes(file_, table_, column);
     }
-    const std::string& unit = table_.column("t")->unit;
     const auto equal = std::ranges::adjacent_find(t);
-    table_.understood = fmt::format("{}: {} rows, t from {} to {}{}, of {}", file_, table_.rows, t.front(), t.back(),
-                                    unit.empty() ? "" : " " + unit, fmt::join(names, ", "));
+    table_.understood = fmt::format("{}: {} rows, {} from {} to {}, of {}", file_, table_.rows,
+                                    labelled(*table_.column("t")), t.front(), t.back(), fmt::join(names, ", "));
     const auto add = [&](bool holds, const std::string& what) {
       if (holds) table_.understood += "; " + what;
     };
@@ -358,6 +369,9 @@ class TraceReader {
     for (const std::string& what : left_) add(true, what + " left out");
   }
 
+  static std::string labelled(const TraceFile::Column& column) {
+    return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
+  }
   void left(std::string what) { left_.push_back(one_line(what)); }
   std::size_t place_of_time() const {
     for (std::size_t k = 0; k < places_.size(); ++k)
@@ -372,7 +386,7 @@ class TraceReader {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   std::string file_;
   const Cells &known_, &required_, &words_;
-  const std::string places_name_;  // of another column than t
+  const std::string places_given_, places_name_;  // of another column than t
   TraceFile table_;
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> places_;  // of each column of the file, its place in the table

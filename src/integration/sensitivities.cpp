@@ -267,6 +267,18 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   shifted_ = false;
 }
 
+// The time is the scene's, and the state does not jump.
+std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, std::span<double> y) {
+  std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
+  if (lost()) return changes;
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
+    complete(derivative, at, s);
+    changes[k] = {0.0, system_.contact(i).of(s.w())};
+  });
+  return changes;
+}
+
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
@@ -314,8 +326,8 @@ void Sensitivities::account(double t, double sign, std::span<double> y) {
 
 void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std::span<double> y) {
   if (lost()) return;
-  if (of_bar && of_bar->displaces()) return lose(t, "an obstacle jumps", y);
-  for (std::size_t i = 0; i < system_.contact_count() && of_bar; ++i)
+  const bool kinks = of_bar && (of_bar->velocity.left != 0.0 || of_bar->velocity.right != 0.0);
+  for (std::size_t i = 0; i < system_.contact_count() && kinks; ++i)
     if (system_.collides(i) && system_.closed(i))
       return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {

@@ -373,18 +373,12 @@ class StepwisePart {
   }
 
   void leave_obstacles(double t, const FrameJump& jump) {
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      const std::size_t node = system_.contact(i).unknown;
-      const double towards = system_.contact(i).sign * jump.displacement.at(system_.bar().share(node));
-      const double clear = system_.clearance(i, u());
-      const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
-      if (towards == 0.0 || (clear >= -rounding && !system_.closed(i))) continue;
-      if (towards > 0.0) throw LoadError(t, into_the_bar(system_.contact(i), t));
-      if (clear <= 0.0) continue;
-      if (sensitivities_) changes_ = sensitivities_->before(t, t, i, false, y_);  // lost: none
+    const double largest = stepper_.weights().largest_displacement();
+    for (const std::size_t i : left_by_jump(system_, jump, t, u(), largest)) {
       system_.set_closed(i, false);
       system_.complete_velocity(t, u(), w());
-      tell_event(t, i, Change::opening, w()[node]);
+      if (sensitivities_) changes_ = sensitivities_->let_go(t, i, y_);
+      tell_event(t, i, Change::opening, w()[system_.contact(i).unknown]);
     }
   }
 

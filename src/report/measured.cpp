@@ -52,9 +52,13 @@ UnitPowers unit_of(TraceColumn column) {
   return dimension ? unit_powers(*dimension) : UnitPowers{};
 }
 
-// Values in the unit of the scene, where both have one.
+// Values in the unit of the scene, where both have one. No unit is told that the scene has not named.
 void convert(TraceFile& table, TraceFile::Column& column, const std::string& unit, const std::string& file) {
-  if (column.unit.empty() || unit.empty()) return;
+  if (column.unit.empty()) return;
+  if (unit.empty()) {
+    table.understood += fmt::format("; {} taken as it stands, for the scene names no unit of it", column.name);
+    return;
+  }
   const auto ratio = unit_ratio(column.unit, unit);
   if (!ratio)
     throw std::invalid_argument(fmt::format("{}: {} is in {}, and the scene's unit of it is {}: convert one of them",
@@ -97,10 +101,14 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   const double last = t.values.back(), end = scene.run.end;
   // The last contact may be early.
   if (last > far * end || (last > 0.0 && far * last < end && !table.column("where")))
-    throw std::invalid_argument(
-        fmt::format("{}: the last time is {:.6g}{}, and the scene ends at {:.6g}: are they in different units, such as "
-                    "milliseconds and seconds? If they are not, say --set time.end={:.6g}",
-                    file, last, t.unit.empty() ? "" : " " + t.unit, end, last));
+    throw std::invalid_argument(fmt::format(
+        "{}: the last time is {:.6g}, and the scene ends at {:.6g}: are they in different units{}? If they are "
+        "not, say --set time.end={:.6g}",
+        file, last, end,
+        t.unit.empty() || !scene.run.scene.units.time.empty()
+            ? ", such as milliseconds and seconds"
+            : fmt::format(" (the file says {}, and the scene has no units.time)", t.unit),
+        last));
   return table;
 }
 

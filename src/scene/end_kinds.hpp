@@ -97,4 +97,9 @@ inline std::size_t bare_obstacles(const Scene& scene) {
          std::size_t{is_bare_obstacle(scene.right, scene.right_input)};
 }
 
+/// True if an obstacle at an end has no law of its own.
+inline bool has_end_penalty(const Scene& scene) {
+  return (is_obstacle(scene.left) && !scene.left_input.stop) || (is_obstacle(scene.right) && !scene.right_input.stop);
+}
+
 }  // namespace viscobar

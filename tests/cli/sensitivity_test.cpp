@@ -195,7 +195,7 @@ TEST_F(Sensitivity, OfAFitSaysHowItReadItsDataAndFindsCodesOfMissingValues) {
   EXPECT_NEAR(json["parameters"]["bar.viscosity"]["estimate"], 0.08, 1e-4);
   ASSERT_EQ(json["data"].size(), 1u);
   const std::string read = json["data"][0];
-  for (const char* part : {"151 rows, t from 0 to 3000 ms", "of u_left [mm]", "semicolons", "decimal commas",
+  for (const char* part : {"151 rows, t [ms] from 0 to 3000", "of u_left [mm]", "semicolons", "decimal commas",
                            "1 lines of comments", "columns temperature left out"})
     EXPECT_NE(read.find(part), std::string::npos) << part << "\n" << read;
   ASSERT_EQ(json["warnings"].size(), 1u);

@@ -144,7 +144,7 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
     EXPECT_NEAR(std::log(apart(coarse, rigid) / apart(fine, rigid)) / std::log(4.0), 1.0, 0.15)
         << apart(coarse, rigid) << " " << apart(fine, rigid);
     // A node that rests gives way by epsilon times its reaction, and takes as long to stop as its dashpot lets it.
-    for (const std::string method : {"cvode", "ida", "arkode", "odeint"}) {
+    for (const std::string method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
       const Recording penalised = record(parse_scene(scene(end, method, 1e-4, "consistent"), "").run);
       EXPECT_LT(apart(penalised, rigid), 1e-3) << method;
       EXPECT_EQ(penalised.events.size(), rigid.events.size()) << method;
@@ -161,7 +161,7 @@ TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedAndOneThatJumpsAwayRuns) {
         viscosity, gap, method);
   };
   for (const std::string method :
-       {"rigid", "cvode", "ida", "arkode", "odeint", "fully_discrete", "finite_difference"}) {
+       {"rigid", "cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete", "finite_difference"}) {
     for (const char* gap : {"t < 0.5 ? 0.2 : 0.1", "t < 0.5 ? 0.9 : 0.4"})  // that it rests on, or has not met
       try {
         record(parse_scene(scene(gap, method), "").run);
@@ -179,6 +179,49 @@ TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedAndOneThatJumpsAwayRuns) {
     EXPECT_NEAR(far.events[0].time, 0.7, 2e-3) << method;
   }
   EXPECT_EQ(parse_scene(scene("t < 0.5 ? 0.2 : 0.3", "automatic", 0.0), "").run.method, MethodName::rigid);
+}
+
+// The obstacle jumps away from a bar that has left it, or from one that it holds, which comes to it again.
+TEST(MovingObstacle, ThatJumpsAwayLeavesTheDerivativesThatDifferencesHave) {
+  const std::vector<std::string> keys = {"bar.viscosity", "parameters.near", "parameters.far"};
+  for (const auto& [jump, contact] : {std::pair{2.8, "epsilon = 1e-2\n"},
+                                      {2.8, "law = \"spring_damper\"\nstiffness = 60\ndamping = 1\n"},
+                                      {0.6, "epsilon = 1e-2\n"}}) {
+    const std::string scene = fmt::format(
+        "[bar]\nlength = 1\nviscosity = 0.2\n[parameters]\nnear = 0.1\nfar = 0.3\n[left]\nkind = \"obstacle\"\n"
+        "gap = \"t < {} ? near : far\"\n[right]\nkind = \"free\"\nforce = -0.4\n[initial]\nvelocity = \"-1 + 0.1*x\"\n"
+        "[time]\nend = 6\n[mesh]\nelements = 8\nmass = \"consistent\"\n[contact]\n{}[output]\nevery = 0.1\n",
+        jump, contact);
+    for (const std::string method : {"cvode", "ida", "arkode", "rigid"}) {
+      if (method == "rigid" && scene.find("law") != scene.npos) continue;
+      SCOPED_TRACE(method + " " + contact);
+      const auto run = [&](std::vector<std::string> set) {
+        set.insert(set.end(), {"method.name=" + method, "method.relative_tolerance=1e-10"});
+        return record(parse_scene(scene, "", set).run);
+      };
+      const Recording bar = run({"sensitivity.of=[\"bar.viscosity\", \"parameters.near\", \"parameters.far\"]"});
+      ASSERT_TRUE(bar.statistics.sensitivity);
+      EXPECT_FALSE(bar.statistics.sensitivity->lost) << bar.statistics.sensitivity->why;
+      const bool held = jump < 1.0;
+      ASSERT_GE(bar.events.size(), 3u);
+      EXPECT_EQ(std::abs(bar.events[1].time - jump) < 1e-12, held) << bar.events[1].time;
+      EXPECT_GT(bar.events[2].time, jump);
+      const std::vector<double> values = {0.2, 0.1, 0.3};
+      for (std::size_t k = 0; k < keys.size(); ++k) {
+        const double step = 1e-4;
+        const Recording more = run({fmt::format("{}={}", keys[k], values[k] + step)});
+        const Recording less = run({fmt::format("{}={}", keys[k], values[k] - step)});
+        // Differences are right to the square of the step, and to the tolerance over it.
+        double off = 0.0, most = 0.0;
+        for (std::size_t i = 0; i < bar.u.size(); ++i) {
+          const double difference = (more.u[i] - less.u[i]) / (2 * step);
+          most = std::max(most, std::abs(difference));
+          off = std::max(off, std::abs(bar.sensitivities[k].u[i] - difference));
+        }
+        EXPECT_LT(off, 2e-4 * std::max(1.0, most)) << keys[k];
+      }
+    }
+  }
 }
 
 }  // namespace

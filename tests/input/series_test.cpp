@@ -304,7 +304,8 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   EXPECT_EQ(force("{ file = \"record.csv\", column = \"F\", " + linear + " }"), "");
   expect("{ file = \"record.csv\", column = \"F\" }", "two values at t = 1: a jump");
   expect("{ file = \"none.csv\", column = \"F\" }", "none.csv");
-  expect("{ file = \"record.csv\", column = \"G\" }", "is missing");
+  expect("{ file = \"record.csv\", column = \"Q\" }", "Q is missing; the columns are t, F");
+  expect("{ t = [0, 1], values = [0, 1], column = \"F\" }", "column is one of a file");
   expect("{ file = \"record.csv\" }", "a file and a column");
   expect("{ file = \"record.csv\", colum = \"F\" }", "nearest is \"column\"");
   expect("{ t = [0, 1], values = [1] }", "t has 2 numbers and values 1");

@@ -93,6 +93,17 @@ TEST(Law, IsRefusedByMethodsThatHaveNoSuchStop) {
   EXPECT_NE(dense.find("method.stepper"), std::string::npos) << dense;
 }
 
+// The penalty of the span has a natural epsilon where no end has one.
+TEST(Law, BesideASpanObstacleWantsAPenalisedMethod) {
+  const std::string law = "[span]\ngap = 0.5\n[contact]\nlaw = \"hertz\"\nstiffness = 30\n";
+  const Case run = parse_scene(scene(law), "").run;
+  EXPECT_EQ(run.method, MethodName::cvode);
+  EXPECT_EQ(natural_epsilon(run.scene), 1.0);
+  const std::string found = findings(scene("[span]\ngap = 0.5\n", contact("hertz", 30)));
+  EXPECT_NE(found.find("contact.epsilon: is missing: cvode, chosen for left.contact.law, penalises"), std::string::npos)
+      << found;
+}
+
 TEST(Law, WantsItsOwnNumbersAndNoOthers) {
   const auto expect = [](const std::string& text, const std::string& key, const std::string& word) {
     const std::string found = findings(text);
@@ -104,6 +115,13 @@ TEST(Law, WantsItsOwnNumbersAndNoOthers) {
   expect(scene("[contact]\nstiffness = 3\n"), "contact.stiffness", "contact.law is missing");
   expect(scene("[contact]\nlaw = \"hertzian\"\nstiffness = 3\n"), "contact.law", "nearest is \"hertz\"");
   expect(scene("[contact]\nlaw = \"hertz\"\nstiffness = -3\n"), "contact.stiffness", "must be positive");
+  expect(scene("[contact]\nlaw = \"hertz\"\nstiffness = 3\nrestitution = 0.5\n"), "contact.restitution",
+         "every obstacle here has a law of its own");
+  EXPECT_EQ(findings(scene("[contact]\nlaw = \"hertz\"\nstiffness = 3\nrestitution = 0.5\n",
+                           "contact = { law = \"penalty\" }\n")),
+            "");
+  expect(scene("", "contact = 3\n"), "left.contact: must be a table",
+         "such as { law = \"hertz\", stiffness = 100.0 }; is a whole number");
   expect(scene("", "contact = { law = \"hertz\" }\n"), "left.contact.stiffness", "is missing");
   expect(scene("", "contact = { law = \"hertz\", stifness = 3 }\n"), "left.contact.stifness",
          "nearest is \"contact.stiffness\"");
@@ -111,7 +129,6 @@ TEST(Law, WantsItsOwnNumbersAndNoOthers) {
       "[bar]\nlength = 1\n[left]\nkind = \"free\"\ncontact = { law = \"hertz\", stiffness = 3 }\n[initial]\nvelocity "
       "= 1\n[time]\nend = 1\n",
       "left.contact.law", "belongs to an obstacle");
-  expect(scene("", "contact = 3\n"), "left.contact", "unknown key");
 }
 
 // The exact a = lambda V of e, which 3 (1 - e) / 2 is only for e near 1.

@@ -73,7 +73,7 @@ class Scene(NodalBar):
             if self.sometimes(0.3):
                 end["mass"] = self.log(0.01, 2)
         if self.sometimes():
-            self.ends[0]["force"] = (self.number(-0.1, 0.1), self.number(1, 4))
+            self.ends[0]["force"] = (self.number(-0.1, 0.1), self.number(1, 4), self.number(-0.1, 0.1) * self.sometimes())
 
     def draw_masses(self):
         for end in self.ends:
@@ -82,17 +82,15 @@ class Scene(NodalBar):
             if self.sometimes(0.8):
                 end["mass"] = self.log(0.01, 5)
             if self.sometimes(0.3):
-                end["force"] = (self.number(-0.1, 0.1), self.number(1, 4))
+                end["force"] = (self.number(-0.1, 0.1), self.number(1, 4), self.number(-0.1, 0.1) * self.sometimes())
             if end["kind"] == "free" and self.sometimes(0.3) and self.mass != "fourth_order":
                 end["stiffness"] = self.log(0.1, 10)
-            if end["kind"] == "free" and self.sometimes(0.3) and self.mass != "fourth_order":
+            if end["kind"] == "free" and self.sometimes(0.3):
                 end["dashpot"] = self.log(0.01, 1)
 
     def draw_side(self):
         self.side = [(self.number(0, 8), self.number(0, 5) * self.sometimes()),
                      (self.number(0, 2), self.number(0, 2) * self.sometimes())]
-        if self.mass == "fourth_order":  # no jump filter acts on so viscous a bar
-            self.viscosity = self.number(0.6, 1.2)
         self.slope = self.number(-0.1, 0.1)
         if self.sometimes():
             self.load = self.number(-1, 1)
@@ -104,7 +102,7 @@ class Scene(NodalBar):
             self.ends[1]["kind"] = "fixed"
         else:
             for key, low, high in (("mass", 0.01, 1), ("stiffness", 0.1, 3), ("dashpot", 0.01, 0.4)):
-                if self.sometimes():
+                if self.sometimes() and (key, self.mass) != ("stiffness", "fourth_order"):
                     self.ends[1][key] = self.log(low, high)
 
     def draw_series(self):
@@ -152,7 +150,7 @@ class Scene(NodalBar):
                 damping = "" if end["law"] == "hertz" else f", damping = {end['damping']!r}"
                 lines.append(f'contact = {{ law = "{end["law"]}", stiffness = {end["stiffness_law"]!r}{damping} }}')
             if "force" in end:
-                lines.append('force = "%r*(1-cos(%r*t))^3"' % end["force"])
+                lines.append('force = "%r*(1-cos(%r*t))^3 + %r"' % end["force"])
             if name == "left" and "force" in named and end["kind"] != "fixed":
                 lines.append(f"force = {named['force']}")
             if name == "right" and "motion" in named:

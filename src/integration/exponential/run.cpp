@@ -53,13 +53,8 @@ void Run::fail(Failure why, const std::exception& cause) {
 // the energy that it gives them is its work.
 double Run::energy_of_followers() {
   if (!statistics_.energy || !system_.has_massless() || system_.damped()) return 0.0;
-  std::vector<double> u(system_.size()), w(system_.size());
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    const auto k = static_cast<Index>(i) - static_cast<Index>(system_.massive_begin());
-    if (k >= 0 && k < leg().displacements()) u[i] = y_[k] + propagators_.origin()[static_cast<Index>(i)];
-  }
-  penalised_.complete_displacement(t_, u);
-  return penalised_.energy(u, w);
+  const std::vector<double> w(system_.size());
+  return penalised_.energy(displacement(), w);
 }
 
 void Run::enter_piece() {
@@ -70,26 +65,41 @@ void Run::enter_piece() {
 void Run::pass_kink() {
   const auto jump = system_.kink(t_, times_.back());
   if (!jump) return;
-  if (jump->displaces())
-    throw LoadError(t_, fmt::format("an obstacle that has been met jumps at t = {}, which exponential does not follow; "
-                                    "choose another method",
-                                    t_));
-  std::vector<double> w(system_.size(), 0.0);
+  std::vector<double> u = displacement(), w(system_.size(), 0.0);
   const auto first = static_cast<std::ptrdiff_t>(system_.massive_begin());
   const auto velocities = y_.tail(leg().size() - leg().displacements());
   std::ranges::copy(velocities, w.begin() + first);
   std::vector<double> change = w;
-  const double before = 0.5 * system_.inertia().quadratic_form(w);
-  system_.pass_kink(*jump, {}, w);
+  const double before = penalised_.energy(u, w);
+  system_.pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_) ends_->pass_kink(change);
+  for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
+    y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
-  if (statistics_.energy) statistics_.energy->work += 0.5 * system_.inertia().quadratic_form(w) - before;
+  if (jump->displaces()) leave_obstacles(*jump, u, w);
+  if (statistics_.energy) statistics_.energy->work += penalised_.energy(u, w) - before;
 }
 
-std::vector<double> Run::displacement() const {
-  const VectorXd u = y_.head(leg().displacements()) + propagators_.origin();
-  return {u.begin(), u.end()};
+void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w) {
+  for (const std::size_t c : left_by_jump(penalised_, jump, t_, u, largest_displacement_)) {
+    penalised_.set_closed(c, false);
+    penalised_.complete_displacement(t_, u);
+    penalised_.complete_velocity(t_, u, w);
+    tell_change(c, penalised_.contact(c).of(w));
+  }
+  begin_leg();
+  if (ends_) ends_->begin(t_, u, w);
+}
+
+std::vector<double> Run::displacement() {
+  std::vector<double> u(system_.size());
+  for (Index k = 0; k < leg().displacements(); ++k) {
+    const std::size_t i = first_displacement() + static_cast<std::size_t>(k);
+    u[i] = y_[k] + propagators_.origin()[static_cast<Index>(i)];
+  }
+  penalised_.complete_displacement(t_, u);
+  return u;
 }
 
 void Run::settle_high_modes(bool starting) {
