@@ -147,6 +147,9 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
     for (const std::string method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
       const Recording penalised = record(parse_scene(scene(end, method, 1e-4, "consistent"), "").run);
       EXPECT_LT(apart(penalised, rigid), 1e-3) << method;
+      for (const auto end : {&RunAccount::left, &RunAccount::right})
+        EXPECT_NEAR(((*penalised.statistics.account).*end).impulse, ((*rigid.statistics.account).*end).impulse, 1e-3)
+            << method;
       EXPECT_EQ(penalised.events.size(), rigid.events.size()) << method;
       EXPECT_NEAR(penalised.statistics.energy->balance_error(), 0.0, 1e-6) << method;
     }

@@ -73,7 +73,7 @@ void Run::pass_kink() {
   const double before = penalised_.energy(u, w);
   system_.pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
-  if (ends_) ends_->pass_kink(change);
+  if (ends_ && !jump->displaces()) ends_->pass_kink(change);
   for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
     y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
@@ -82,6 +82,12 @@ void Run::pass_kink() {
 }
 
 void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w) {
+  if (ends_) {
+    penalised_.complete_velocity(t_, u, w);
+    std::vector<double> measured(u.begin(), u.end());
+    for (std::size_t i = 0; i < u.size(); ++i) measured[i] -= propagators_.origin()[static_cast<Index>(i)];
+    ends_->enter_frame(measured, w);
+  }
   for (const std::size_t c : left_by_jump(penalised_, jump, t_, u, largest_displacement_)) {
     penalised_.set_closed(c, false);
     penalised_.complete_displacement(t_, u);
@@ -89,7 +95,6 @@ void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<
     tell_change(c, penalised_.contact(c).of(w));
   }
   begin_leg();
-  if (ends_) ends_->begin(t_, u, w);
 }
 
 std::vector<double> Run::displacement() {
