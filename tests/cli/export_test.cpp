@@ -9,7 +9,7 @@ namespace viscobar {
 namespace {
 
 using testing_cli::fs::path;
-using Quantity = FieldReader::Quantity;
+using FieldQuantity = FieldReader::Quantity;
 
 std::vector<double> numbers(const std::string& line) {
   std::vector<double> found;
@@ -31,7 +31,7 @@ class Export : public testing_cli::Command {
     viscobar("run scene.toml --quiet -o out --set mesh.elements=1000 --set time.end=0.3 --set output.every=1e-3");
   }
 
-  std::vector<double> field(const FieldReader& reader, Quantity quantity) const {
+  std::vector<double> field(const FieldReader& reader, FieldQuantity quantity) const {
     std::vector<double> values(reader.rows() * reader.nodes());
     reader.read(quantity, 0, values);
     return values;
@@ -51,7 +51,7 @@ TEST_F(Export, OfCsvHoldsTheFieldBitForBit) {
   ASSERT_EQ(viscobar("export out -o plain").code, 0);
   const FieldReader reader(directory_ / "out/field.h5");
   for (const auto& [name, quantity] :
-       {std::pair{"plain/u.csv", Quantity::displacement}, std::pair{"plain/v.csv", Quantity::velocity}}) {
+       {std::pair{"plain/u.csv", FieldQuantity::displacement}, std::pair{"plain/v.csv", FieldQuantity::velocity}}) {
     std::ifstream stream(directory_ / name);
     std::string line;
     std::getline(stream, line);
@@ -110,15 +110,15 @@ TEST_F(Export, IsNotNeededByAPythonScriptOfTenLines) {
   if (std::system((python + " -c 'import h5py' 2>/dev/null").c_str()) != 0)
     GTEST_SKIP() << "python3-h5py is not installed";
   const FieldReader reader(directory_ / "out/field.h5");
-  expect_extremes(run_script(python, "read_result.py"), field(reader, Quantity::displacement),
-                  field(reader, Quantity::velocity));
+  expect_extremes(run_script(python, "read_result.py"), field(reader, FieldQuantity::displacement),
+                  field(reader, FieldQuantity::velocity));
 }
 
 TEST_F(Export, IsNotNeededByAnOctaveScriptOfTenLines) {
   if (std::system("octave-cli --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "octave is not installed";
   const FieldReader reader(directory_ / "out/field.h5");
-  expect_extremes(run_script("octave-cli -q", "read_result.m"), field(reader, Quantity::displacement),
-                  field(reader, Quantity::velocity));
+  expect_extremes(run_script("octave-cli -q", "read_result.m"), field(reader, FieldQuantity::displacement),
+                  field(reader, FieldQuantity::velocity));
 }
 
 TEST_F(Export, XdmfIsReadByMeshioWithACellForEachElement) {

@@ -344,6 +344,7 @@ void Run::take_short_step(double tau) {
 }
 
 void Run::follow(const Series& series, double tau) {
+  output_until(t_, tau, [](double) { return EnergyFlow{}; });  // in the frame that ends here
   VectorXd u = leg().displacement(series, 0.0) + propagators_.origin(), v = leg().velocity(series, 0.0, tau);
   const auto all = [](VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
   const double after = t_ + 64.0 * rounding * std::max(std::abs(t_), times_.back());
