@@ -23,7 +23,7 @@ std::string choice(std::initializer_list<std::pair<bool, std::string>> all) {
   return text;
 }
 
-// Of the first stop with a law of its own; empty where there is none.
+// The key of the stiffness of the first stop with a law of its own; empty where there is none.
 std::string stop_key(const Scene& scene) {
   for (const auto& [end, input] : {std::pair{"left", &scene.left_input}, {"right", &scene.right_input}})
     if (input->stop) return input->stop->key(end, "stiffness");

@@ -316,7 +316,7 @@ void check_sensitivity(SceneEntries& entries, const Case& run) {
   }
 }
 
-// Of [contact], where every obstacle has a law of its own.
+// [contact] has a restitution for nothing where every obstacle has a law of its own.
 void check_restitution(SceneEntries& entries, const Case& run) {
   if (!has_stops(run.scene) || has_penalty(run.scene) || entries.given("contact.speed")) return;
   if (entries.sound("contact.restitution"))

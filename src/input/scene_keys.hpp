@@ -35,7 +35,7 @@ struct SceneKey {
   std::string_view example;   ///< in the scene of `viscobar new`; empty: the fallback
   std::string_view unit;
   std::string_view meaning;
-  KeyRange range{};                     ///< of a number or count, or of a formula where it is a number
+  KeyRange range{};                   ///< of a number or count, or of a formula where it is a number
   std::span<const Choice> choices{};  ///< of a choice, or of the words of a list
   std::string_view variables{};       ///< of a formula: "x", "t" or "xt"
 

@@ -69,7 +69,7 @@ Picture displacement_map(const Case& run, const ReportData& data, const FieldCol
 Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data);
-/// Of joints that are not bonded.
+/// Forces of joints that are not bonded.
 Picture joint_forces(const Case& run, const ReportData& data);
 Picture energies(const Case& run, const ReportData& data);
 Picture gauges(const Case& run, const ReportData& data);
