@@ -1,19 +1,25 @@
-# units(variable BASE FILE...): instead of the sources FILE..., sources that include up to 64 kB of them each, all of one
-# room (the first folder of their names), by their names relative to the folder BASE, which the target has to search for
-# headers. Templates and headers that files of a room share are compiled once a unit: half of the processor's time. (CMake's
-# own UNITY_BUILD includes absolute names, which no cache of compiled files recognises in another clone.)
-function(units variable base)
+# units(variable BASE WITHIN FILE...): instead of the sources FILE..., sources that include several of them each, by their
+# names relative to the folder BASE, which the target has to search for headers. Templates and headers that the files share
+# are compiled once a unit. WITHIN is `folder`, eight files of one at most, or `room` (the first folder of the names), up to
+# 64 kB of one: half of the processor's time, but in large units gcc inlines less. (CMake's own UNITY_BUILD includes absolute
+# names, which no cache of compiled files recognises in another clone.)
+function(units variable base within)
   set(units "")
   list(SORT ARGN)
   set(bytes 0)
   foreach(file IN LISTS ARGN ITEMS "")
     if(file)
       file(RELATIVE_PATH name ${base} ${file})
-      string(REGEX REPLACE "/.*" "" room ${name})
-      file(SIZE ${file} size)
+      if(within STREQUAL "folder")
+        get_filename_component(place ${name} DIRECTORY)
+        set(size 8192)
+      else()
+        string(REGEX REPLACE "/.*" "" place ${name})
+        file(SIZE ${file} size)
+      endif()
     endif()
-    math(EXPR with_it "${bytes} + ${size}")
-    if(bytes GREATER 0 AND (NOT file OR with_it GREATER 65536 OR NOT room STREQUAL room_before))
+    math(EXPR filled "${bytes} + ${size}")
+    if(bytes GREATER 0 AND (NOT file OR filled GREATER 65536 OR NOT place STREQUAL place_before))
       string(REPLACE "/" "_" unit ${first})
       set(unit ${CMAKE_CURRENT_BINARY_DIR}/units/${unit})
       file(CONFIGURE OUTPUT ${unit} CONTENT "${text}" @ONLY)
@@ -27,7 +33,7 @@ function(units variable base)
       endif()
       string(APPEND text "#include \"${name}\"\n")
       math(EXPR bytes "${bytes} + ${size}")
-      set(room_before ${room})
+      set(place_before ${place})
     endif()
   endforeach()
   set(${variable} ${units} PARENT_SCOPE)
