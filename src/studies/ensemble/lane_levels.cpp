@@ -10,8 +10,8 @@ namespace viscobar::bars {
 namespace {
 
 constexpr double safety = 1.5, margin = 1.1, rounding = 1e-12, share_of_steps = 0.025;
-constexpr double fits = 1.5;       // times the difference that order 2 tells beforehand
-constexpr double crossing = 3072;  // steps; two runs by rigid cost no more, with AVX-512, and less with AVX2
+constexpr double fits = 1.5;         // times the difference that order 2 tells beforehand
+constexpr double crossing = 1400.0;  // steps of a wave's way through the bar; two runs by rigid cost no more
 
 double lane(const Lanes& lanes, std::size_t l) { return reinterpret_cast<const double*>(&lanes)[l]; }
 
@@ -31,9 +31,13 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
   const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
-  if (shared_.error && shared_.rigid_beside && 4.0 * static_cast<double>(steps_at(level)) > crossing)
+  if (shared_.error && shared_.rigid_beside && 4.0 * static_cast<double>(steps_at(level)) > most_steps(own.member.bar))
     return alone_(bar);
   waiting_[level].push_back({bar, std::move(own)});
+}
+
+double LaneLevels::most_steps(const Bar& bar) const {
+  return crossing * shared_.end * std::sqrt(bar.modulus / bar.density) / bar.length;
 }
 
 std::size_t LaneLevels::multiple(std::size_t level) {
@@ -121,7 +125,7 @@ void LaneLevels::judge(Waiting bar, std::size_t lane_of, std::unique_ptr<BarValu
   }
   const double more = by_changes ? safety * first / *shared_.error : std::sqrt(safety * second / *shared_.error);
   const double steps = std::clamp(margin * more, 1.4, 64.0) * static_cast<double>(steps_at(level));
-  if (steps > crossing && shared_.rigid_beside) return alone_(bar.bar);
+  if (steps > most_steps(bar.own.member.bar) && shared_.rigid_beside) return alone_(bar.bar);
   std::size_t next = std::max(level_of(steps), level + 1);
   while (next < most_level && !meets_outputs(next)) ++next;
   bar.error = second;
