@@ -6,6 +6,7 @@
 
 #include "case/regime.hpp"
 #include "input/described_scene.hpp"
+#include "input/unit_of_key.hpp"
 #include "laws/scene.hpp"
 #include "report/scene_check.hpp"
 
@@ -99,6 +100,7 @@ TEST(Law, BesideASpanObstacleWantsAPenalisedMethod) {
   const Case run = parse_scene(scene(law), "").run;
   EXPECT_EQ(run.method, MethodName::cvode);
   EXPECT_EQ(natural_epsilon(run.scene), 1.0);
+  EXPECT_EQ(unit_of_key("contact.epsilon", run.scene), (UnitPowers{2, 0, -1}));  // a penetration per force on a volume
   const std::string found = findings(scene("[span]\ngap = 0.5\n", contact("hertz", 30)));
   EXPECT_NE(found.find("contact.epsilon: is missing: cvode, chosen for left.contact.law, penalises"), std::string::npos)
       << found;
