@@ -200,7 +200,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
     page.add(stress_map(run, system, outcome, data, of_stress));
     page.add(end_traces(run, outcome, data));
     page.add(reactions(run, outcome, data));
-    page.add(joint_forces(run, data));
+    page.add(joint_forces(run, outcome, data));
     page.add(end_tractions(run, system, outcome, data));
     page.add(energies(run, data));
     page.add(gauges(run, data));

@@ -70,7 +70,7 @@ Picture profiles(const Case& run, const ReportData& data);
 Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data);
 /// Forces of joints that are not bonded.
-Picture joint_forces(const Case& run, const ReportData& data);
+Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& data);
 Picture energies(const Case& run, const ReportData& data);
 Picture gauges(const Case& run, const ReportData& data);
 Picture sensitivities(const Case& run, const ReportData& data);

@@ -237,7 +237,7 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
           {{"reactions", "Reactions of the obstacles over time", over_time(run, data, axis, 240.0, lines)}}};
 }
 
-Picture joint_forces(const Case& run, const ReportData& data) {
+Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<std::string> names;
   for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
     if (run.scene.chain[k - 1].joint.kind != JointKind::bonded) names.push_back(fmt::format("joint {}", k));
@@ -245,10 +245,10 @@ Picture joint_forces(const Case& run, const ReportData& data) {
   std::vector<TimeLine> lines;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const ReportData::End& joint = data.joints[k];
-    lines.push_back(
-        {with_contacts(joint.reaction.points(), joint.contacts.intervals(), [](double, double r) { return r; }),
-         {plot::series_colour(k), k % 2 == 1, 1.8},
-         names[k]});
+    lines.push_back({with_contacts(joint.reaction.points(), joint.in_contact(outcome.reached_time, {}),
+                                   [](double, double r) { return r; }),
+                     {plot::series_colour(k), k % 2 == 1, 1.8},
+                     names[k]});
   }
   const std::string axis = with_unit("force N", run.scene.units, Dimension::stress);
   return {
