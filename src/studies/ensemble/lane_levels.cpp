@@ -31,13 +31,14 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
   const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
-  if (shared_.error && shared_.rigid_beside && 4.0 * static_cast<double>(steps_at(level)) > most_steps(own.member.bar))
+  if (shared_.error && shared_.rigid_beside &&
+      4.0 * static_cast<double>(steps_at(level)) > crossing * ways(own.member.bar))
     return alone_(bar);
   waiting_[level].push_back({bar, std::move(own)});
 }
 
-double LaneLevels::most_steps(const Bar& bar) const {
-  return crossing * shared_.end * std::sqrt(bar.modulus / bar.density) / bar.length;
+double LaneLevels::ways(const Bar& bar) const {
+  return shared_.end * std::sqrt(bar.modulus / bar.density) / bar.length;
 }
 
 std::size_t LaneLevels::multiple(std::size_t level) {
@@ -68,9 +69,8 @@ std::size_t LaneLevels::level_of(double steps) const {
 
 // The first of three: the last is about what most bars take.
 std::size_t LaneLevels::first_level(const Bar& bar) const {
-  const double h = bar.length / static_cast<double>(shared_.elements);
-  const double transit = h / std::sqrt(bar.modulus / bar.density);
-  return std::min(level_of(shared_.end / transit * share_of_steps / std::sqrt(*shared_.error)), most_level - 4);
+  const double of_elements = ways(bar) * static_cast<double>(shared_.elements);
+  return std::min(level_of(of_elements * share_of_steps / std::sqrt(*shared_.error)), most_level - 4);
 }
 
 void LaneLevels::run() {
@@ -125,7 +125,7 @@ void LaneLevels::judge(Waiting bar, std::size_t lane_of, std::unique_ptr<BarValu
   }
   const double more = by_changes ? safety * first / *shared_.error : std::sqrt(safety * second / *shared_.error);
   const double steps = std::clamp(margin * more, 1.4, 64.0) * static_cast<double>(steps_at(level));
-  if (steps > most_steps(bar.own.member.bar) && shared_.rigid_beside) return alone_(bar.bar);
+  if (steps > crossing * ways(bar.own.member.bar) && shared_.rigid_beside) return alone_(bar.bar);
   std::size_t next = std::max(level_of(steps), level + 1);
   while (next < most_level && !meets_outputs(next)) ++next;
   bar.error = second;

@@ -51,7 +51,7 @@ class LaneLevels {
   double step_at(std::size_t level) const;
   std::size_t steps_at(std::size_t level) const;
   bool meets_outputs(std::size_t level) const;
-  double most_steps(const Bar& bar) const;
+  double ways(const Bar& bar) const;  // that a wave takes through it until the end
   std::size_t level_of(double steps) const;
   std::size_t first_level(const Bar& bar) const;
   std::vector<std::unique_ptr<BarValues>> run_pack(std::span<const Waiting> pack, std::size_t level);
