@@ -12,7 +12,7 @@ function(units variable base within)
       file(RELATIVE_PATH name ${base} ${file})
       if(within STREQUAL "folder")
         get_filename_component(place ${name} DIRECTORY)
-        set(size 8192)
+        set(size 8192) # whatever it is: eight fill a unit, and who edits one changes no other unit
       else()
         string(REGEX REPLACE "/.*" "" place ${name})
         file(SIZE ${file} size)

@@ -31,7 +31,8 @@ void EndConstraint::put_on(const Column& column, double bound, std::span<double>
   x[entry] = joint ? x[entry - 1] + bound : sign * bound;
 }
 
-// Multipliers of the entries held: their rows of the compliance, eliminated with partial pivoting.
+// Multipliers of the entries held: their rows of the compliance, eliminated with partial pivoting, in place, since a
+// step allocates nothing.
 void EndConstraint::solve_held() {
   const std::size_t count = columns_.size(), held = held_.size();
   for (std::size_t i = 0; i < held; ++i) {

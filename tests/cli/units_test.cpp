@@ -13,8 +13,8 @@ using UnitsOfPages = testing_cli::Command;
 
 /// Heads and axes of words, of numbers without unit, of seconds of the processor, and of cells with units of their own.
 const std::set<std::string> without = {
-    "", "Obstacle", "case", "closings", "where", "change", "method", "mass", "settings", "setting", "steps", "seconds",
-    "changes", "bounces", "changes matched", "elements", "contact changes", "regime", "theory", "scheme's power of dt",
+    "", "case", "closings", "where", "change", "method", "mass", "settings", "setting", "steps", "seconds", "changes",
+    "bounces", "changes matched", "elements", "contact changes", "regime", "theory", "scheme's power of dt",
     "tolerance", "largest part", "order", "power of epsilon", "time errors are against", "left end", "right end",
     "parameter", "estimate", "standard deviation", "solution", "quantity", "largest difference", "of the largest value",
     "our own error", "mean", "our own",
