@@ -40,7 +40,7 @@ bool fourth_order_fits(const Case& run) {
       if (piece.rigid() || !piece.section) return piece.rigid() || piece.mesh.elements >= 3;
       bool fits = piece.mesh.elements >= 3;
       for (std::size_t j = 1; j < piece.mesh.elements; ++j) {
-        const auto [least, most] = std::minmax(piece.stretch(j - 1), piece.stretch(j));
+        const auto [least, most] = std::minmax({piece.stretch(j - 1), piece.stretch(j)});
         fits &= most <= largest_jump * least;
       }
       return fits;
