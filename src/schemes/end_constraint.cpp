@@ -106,17 +106,22 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
   const std::size_t count = columns_.size();
   if (count > 2) return solve_many(x, bound, multiplier);
   std::array<double, 2> excess{};  // of the unconstrained solution over its bound
-  for (std::size_t k = 0; k < count; ++k) excess[k] = columns_[k].of(x) - bound[k];
+  bool free = true;
+  for (std::size_t k = 0; k < count; ++k) {
+    excess[k] = columns_[k].of(x) - bound[k];
+    free &= !(excess[k] < 0.0);
+    multiplier[k] = 0.0;
+    active_[k] = 0;
+  }
+  if (free) return;
 
   std::array<double, 2> lambda{};
   std::array<unsigned char, 2> active{};
   const auto compliance = [this](std::size_t k, std::size_t l) { return columns_[k].of(columns_[l].values); };
   if (count == 1) {
-    if (excess[0] < 0.0) {
-      active = {1, 0};
-      lambda[0] = -excess[0] / compliance(0, 0);
-    }
-  } else if (excess[0] < 0.0 || excess[1] < 0.0) {
+    active = {1, 0};
+    lambda[0] = -excess[0] / compliance(0, 0);
+  } else {
     const double g00 = compliance(0, 0), g11 = compliance(1, 1), g01 = compliance(0, 1), g10 = compliance(1, 0);
     // The excess of either end, times the other's compliance, while the other alone is held at its bound.
     const double excess_0 = g11 * excess[0] - g01 * excess[1];
@@ -135,7 +140,6 @@ void EndConstraint::solve(std::span<double> x, std::span<const double> bound, st
   }
   for (std::size_t k = 0; k < count; ++k) multiplier[k] = lambda[k];
   std::copy_n(active.begin(), count, active_.begin());
-  if (!active[0] && !active[1]) return;
   const double *first = columns_.front().values.data(), *last = columns_.back().values.data();
   double* values = x.data();
   const std::size_t n = x.size();

@@ -46,7 +46,26 @@ template <class Stress>
   return with_lane(lane_count - 1, stress.nodes(end - 1, end), stress.rows(separators, order.first + 1));
 }
 
-// Forces of the end nodes: `left` and `right` are the stresses beyond the first and the last node.
+// Forces on the nodes in their order; `left` and `right` are the stresses beyond the first and the last one. Each
+// stress is made twice, so that no node waits for another.
+template <class Stress>
+void forces_in_order(const Stress& stress, double scale, double left, double right, std::span<const double> load,
+                     std::span<double> out) {
+  const std::size_t last = out.size() - 1;
+  const auto fill = [&, force = out.data()](auto&& load_at) {
+    force[0] = scale * ((last > 0 ? stress.nodes(0, 1) : right) - left) + load_at(0);
+#pragma GCC ivdep
+    for (std::size_t i = 1; i < last; ++i)
+      force[i] = scale * (stress.nodes(i, i + 1) - stress.nodes(i - 1, i)) + load_at(i);
+    if (last > 0) force[last] = scale * (right - stress.nodes(last - 1, last)) + load_at(last);
+  };
+  if (load.empty())
+    fill([](std::size_t) { return 0.0; });
+  else
+    fill([values = load.data()](std::size_t i) { return values[i]; });
+}
+
+// Forces of the end nodes beside the rows.
 template <class Stress>
 void end_forces(const LaneOrder& order, const Stress& stress, double scale, double left, double right,
                 std::span<double> interface) {
@@ -59,7 +78,6 @@ void end_forces(const LaneOrder& order, const Stress& stress, double scale, doub
     }
   };
   forces(0, order.first, left, interface.data());
-  if (order.rows == 0) return;
   const std::size_t begin = n - order.last;
   forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
 }
@@ -108,12 +126,15 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
   const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
   const auto run = [&](const auto& stress) {
-    end_forces(order_, stress, stiffness(system_), left, right, interface);
+    const double scale = stiffness(system_);
+    if (order_.rows == 0)
+      forces_in_order(stress, scale, left, right, load, interface);
+    else
+      end_forces(order_, stress, scale, left, right, interface);
     for (const Mount& mount : system_.mounts())
       (mount.unknown == 0 ? interface.front() : interface.back()) -=
           mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
-    if (order_.rows > 0) return eliminate(factor, stress, stiffness(system_), load, y, interface);
-    for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
+    if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
   };
   if (system_.damped())
     run(ViscousStress{relaxation, u.data(), w.data()});

@@ -205,7 +205,8 @@ void TimeStep::restored() {
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
 void TimeStep::bound_contacts(double t) {
   if (!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman) {
-    for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
+    if (t <= begin_)
+      for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
     return;
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -263,14 +264,12 @@ std::span<const double> TimeStep::load_over_step(double t) {
 
 void TimeStep::evaluate_load(double t) {
   if (!load_) return;
-  const bool known = load_->steady() && load_evaluations_ > 0;
-  if (!known) ++load_evaluations_;
-  if (order_.rows == 0) {
-    load_now_ = load_over_step(t);
-  } else if (!known) {
-    order_.from_nodes(load_over_step(t), fields_[4]);
-    load_now_ = fields_[4];
-  }
+  if (load_->steady() && load_evaluations_ > 0) return;
+  ++load_evaluations_;
+  load_now_ = load_over_step(t);
+  if (order_.rows == 0) return;
+  order_.from_nodes(load_now_, fields_[4]);
+  load_now_ = fields_[4];
 }
 
 // Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
@@ -338,7 +337,8 @@ void TimeStep::advance_in_order() {
 void TimeStep::advance() {
   const std::span<const unsigned char> held = active();
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
-  for (std::size_t k = 0; k < contacts_.size(); ++k) bound_[k] = least_velocity(k);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (held[k]) bound_[k] = least_velocity(k);
   if (eliminated_ && order_.rows == 0)
     advance_in_order();
   else if (eliminated_)
