@@ -264,10 +264,11 @@ void SceneEntries::add(const TomlNode& entry, const std::string& written, std::s
                   ? fmt::format("unknown key; write {} below [{}], or {} without quotes", nearest->leaf(),
                                 nearest->table(), nearest->name)
                   : "unknown key" + suggestion(nearest, table));
-    if (nearest)
-      entries_.try_emplace(
-          is_member_table(table) ? fmt::format("{}.{}", table, nearest->leaf()) : std::string(nearest->name),
-          std::move(value));
+    if (!nearest) return;
+    if (!is_member_table(table))
+      entries_.try_emplace(std::string(nearest->name), std::move(value));
+    else if (table.starts_with(nearest->table()))  // no other bar or joint is meant
+      entries_.try_emplace(fmt::format("{}.{}", table, nearest->leaf()), std::move(value));
   }
 }
 

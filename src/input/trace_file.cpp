@@ -257,8 +257,9 @@ class TraceReader {
   }
 
   bool is_known(std::string_view name) const {
-    return std::ranges::any_of(
-        known_, [&](const std::string& one) { return one.ends_with('@') ? name.starts_with(one) : name == one; });
+    return std::ranges::any_of(known_, [&](const std::string& one) {
+      return one.ends_with('@') || one.ends_with(':') ? name.starts_with(one) : name == one;
+    });
   }
 
   void take_columns(std::string_view line) {

@@ -65,14 +65,17 @@ void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
   largest_u_ = std::max(largest_u_, system_.largest_displacement(y.first(layout_.nodes)));
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
   // Below a few units of rounding no step could pass.
-  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * std::numeric_limits<double>::epsilon());
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * epsilon);
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute_.displacement / tightening_));
   const double of_velocity = std::max(relative * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
       for (std::size_t node = system_.contact(i).unknown, last = node - (system_.contact(i).joint > 0 ? 1 : 0);;
            --node) {
-        weights[node] = std::max(weights[node], rate / of_velocity);
+        // In flight the nodes of a joint go far, and what they differ by is known to their roundings.
+        const double known = 4.0 * epsilon * std::abs(y[node]);
+        weights[node] = std::max(weights[node], 1.0 / std::max(of_velocity / rate, known));
         if (node == last) break;
       }
     }

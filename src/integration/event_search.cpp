@@ -83,8 +83,8 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   for (const std::size_t i : looked_at_) {
     if (system_.moves(i)) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
-    if (system_.closed(i))
-      for (double value : values) max_penetration_ = std::max(max_penetration_, system_.penetration_share(i) * value);
+    if (const double share = system_.penetration_share(i); system_.closed(i) && share > 0.0)
+      max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
     const auto [lowest, highest] = std::ranges::minmax(values);
     if (system_.collides(i) && !system_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;

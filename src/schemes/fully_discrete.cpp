@@ -194,8 +194,13 @@ class Run {
   void begin_accounts(const State& start, const JumpFilter::Taken& taken) {
     if (observers_.energy) {
       const double of_frame = step_->frame_energy(time(1));
-      statistics_.energy = EnergyAccount{.initial = step_->energy() + of_frame + taken.energy - taken.work,
-                                         .dissipated = taken.energy,
+      // E^{1/2} is of the motion after what the start takes at once.
+      const bool struck =
+          !system_.moving() && std::ranges::any_of(step_->start_impulse(), [](double of) { return of > 0.0; });
+      const double at_start = struck ? std::max(system_.energy(start.u, start.v), step_->energy()) : step_->energy();
+      const double dissipated = taken.energy + at_start - step_->energy();
+      statistics_.energy = EnergyAccount{.initial = at_start + of_frame + taken.energy - taken.work,
+                                         .dissipated = dissipated,
                                          .work = taken.work - of_frame,
                                          .end_inertia = taken.energy};
     }

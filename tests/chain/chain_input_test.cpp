@@ -27,6 +27,18 @@ const std::string pair =
     "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 1.0\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus = "
     "3.0\nviscosity = 0.2\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[time]\nend = 2.0\n";
 
+// Nor does it stand for one of the other table's.
+TEST(ChainInput, AKeyOfTheOtherTableIsUnknown) {
+  const auto expect_unknown = [](const std::string& key) {
+    EXPECT_NE(complaint(pair, {key + "=1"}).find(key + ": unknown key"), std::string::npos) << key;
+  };
+  for (const char* leaf :
+       {"length", "mass", "density", "modulus", "viscosity", "section", "elements", "displacement", "velocity"})
+    expect_unknown(fmt::format("joint.1.{}", leaf));
+  for (const char* leaf : {"kind", "gap", "law", "stiffness", "damping", "restitution", "speed"})
+    expect_unknown(fmt::format("bar.1.{}", leaf));
+}
+
 TEST(ChainInput, NamesEachMistakeByItsBar) {
   const auto says = [](const std::string& text, const std::string& words, std::vector<std::string> settings = {}) {
     EXPECT_NE(complaint(text, settings).find(words), std::string::npos) << complaint(text, settings);

@@ -138,6 +138,25 @@ TEST(ChainLimit, ThePenaltyTendsToTheSchemeWithItsLaw) {
   EXPECT_LT(*result.rows.back().difference_to_rigid, std::sqrt(1e-6));
 }
 
+// Both bars fly on, so that the depth of their contact is the difference of displacements a million times as large: of
+// fewer digits than the tolerance asks the contact's nodes for.
+TEST(ChainLimit, AContactOfFlyingBarsTakesAStiffSpringAndATightTolerance) {
+  std::vector<double> found;
+  for (const char* method : {"arkode", "cvode", "ida"}) {
+    const Case run =
+        parse_scene(
+            "[[bar]]\nlength = 1.0\nvelocity = 1.0\nviscosity = 0.1\n[[bar]]\nlength = 1.0\nviscosity = "
+            "0.1\n[[joint]]\nkind = \"contact\"\n[time]\nend = 3.0\n[mesh]\nelements = 40\n",
+            "",
+            Settings{fmt::format("method.name={}", method), "contact.epsilon=1e-6", "method.relative_tolerance=1e-10"})
+            .run;
+    const Recording done = record(run);
+    EXPECT_TRUE(done.statistics.completed) << method;
+    found.push_back(done.displacement(done.times.size() - 1)[0]);
+    EXPECT_NEAR(found.back(), found.front(), 100.0 * 1e-10 * 2.0) << method;
+  }
+}
+
 // A coarse run of ours as that of another program: its columns are as far away as runs are, and its contact is found;
 // one without contact misses it.
 TEST(ChainJudge, JudgesColumnsOfEndsGaugesAndJoints) {

@@ -102,6 +102,21 @@ TEST_F(Gauges, WrongOnesAreNamed) {
   EXPECT_NE(error("[\"a\"]").find("must be a list of numbers"), std::string::npos);
 }
 
+// The two sides of a joint and its force: data of a comparison, and of a fit, which finds what made them.
+TEST_F(Gauges, SoAreJointsDataOfOthers) {
+  std::ofstream(directory_ / "pair.toml")
+      << "[[bar]]\nlength = 1.0\nviscosity = 0.02\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = "
+         "0.02\nmodulus = 2.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[time]\nend = 3.0\n[mesh]\nelements = "
+         "40\n[method]\nname = \"rigid\"\n";
+  ASSERT_EQ(viscobar("run pair.toml -q -o out").code, 0);
+  const auto judged = viscobar("compare pair.toml --with out/joints.csv --json -o judged");
+  EXPECT_EQ(judged.code, 0) << judged.error;
+  const auto fitted = viscobar(
+      "fit pair.toml --set bar.2.modulus=1.5 --data out/joints.csv --parameters bar.2.modulus --json -o fitted");
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  EXPECT_NEAR(fitted.json()["parameters"]["bar.2.modulus"]["estimate"].get<double>(), 2.0, 1e-4) << fitted.out;
+}
+
 // A file of our own gauges is the bar to our own error; another gap is not.
 TEST_F(Gauges, AreHeldAgainstTheBarItself) {
   ASSERT_EQ(viscobar("run mode.toml -q -o out").code, 0);

@@ -74,6 +74,47 @@ TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {
   EXPECT_LE(far_above, 4u);
 }
 
+// In free flight at speed 1 the touch is at t = gap, and both step sizes may put it at the same time.
+TEST(Ensemble, AContactTimeIsNoBetterThanAStep) {
+  TextEnsemble made{
+      "[bar]\nlength = 1.0\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+      "-1.0\n[time]\nend = 0.5\n[mesh]\nelements = 10\n",
+      {"left.gap"},
+      {{}}};
+  for (int i = 0; i < 60; ++i) made.values[0].push_back(0.1 + 0.2 * i / 59.0);
+  for (const double error : {1e-2, 1e-3}) {
+    EnsembleStudy study = made.study();
+    study.outputs = {"events:1"};
+    study.error = error;
+    const EnsembleResult found = ensemble(study);
+    for (std::size_t i = 0; i < found.bars; ++i) {
+      EXPECT_EQ(found.status[i], BarStatus::kept);
+      EXPECT_LE(std::abs(found.values[0][i] - made.values[0][i]) / 0.5, found.error[i]) << error << " " << i;
+    }
+  }
+}
+
+// A bar that falls at speed 1 on an obstacle below all of it, which stops it node by node: at rest at -gap.
+TEST(Ensemble, AboveASpanObstacleTheErrorIsEstimatedOrNotKept) {
+  TextEnsemble made{
+      "[bar]\nlength = 1.0\nviscosity = 0.1\n[span]\ngap = 0.3\n[initial]\nvelocity = -1.0\n[time]\nend = "
+      "1.0\n[mesh]\nelements = 10\n",
+      {"span.gap"},
+      {{0.11, 0.23, 0.37}}};
+  EnsembleStudy study = made.study();
+  study.outputs = {"u_left@0.1"};
+  study.error = 1e-2;
+  const EnsembleResult found = ensemble(study);
+  const std::size_t width = found.outputs[0].width();
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    EXPECT_EQ(found.status[i], BarStatus::kept);
+    for (std::size_t k = 0; k < width; ++k)
+      EXPECT_NEAR(found.values[0][i * width + k], -std::min(0.1 * static_cast<double>(k), made.values[0][i]),
+                  found.error[i] * made.values[0][i])
+          << i << " " << k;
+  }
+}
+
 TEST(Ensemble, ABarWhoseSceneCannotBeRunIsToldAndNoOtherSuffers) {
   const TextEnsemble made{thrown, {"bar.viscosity"}, {{0.1, -1.0, 0.2, std::nan("")}}};
   EnsembleStudy study = made.study();

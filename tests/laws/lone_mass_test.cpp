@@ -24,6 +24,7 @@ void expect_impact(const Outcome& run, const Impact& expected, double speed) {
   EXPECT_NEAR(contact_time(run), expected.time, close_enough * expected.time);
   EXPECT_NEAR(run.events[1].velocity / speed, expected.restitution, close_enough);
   EXPECT_NEAR(-run.statistics.account->left.lowest, expected.deepest, close_enough * expected.deepest);
+  EXPECT_NEAR(run.statistics.max_penetration, expected.deepest, close_enough * expected.deepest);
   EXPECT_NEAR(run.statistics.account->left.peak_reaction, expected.peak, 10 * close_enough * expected.peak);
   EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, close_enough);
   EXPECT_NEAR(run.statistics.account->left.impulse, 1.0 + expected.restitution, close_enough);

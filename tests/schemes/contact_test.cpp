@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,6 +34,25 @@ TEST(FullyDiscreteContact, RigidFlightMeetsTheObstacleWithinAStepAtTheSpeedOfFli
     EXPECT_GE(run.events[0].time, flight.closing());
     EXPECT_LE(run.events[0].time, flight.closing() + dt);
     EXPECT_EQ(run.events[0].velocity, -0.7);
+  }
+}
+
+// A rod of mass 1 with a mass M on its end touches at speed 1: E(0) = (1 + M) / 2, and the scheme stops M at once.
+TEST(FullyDiscreteContact, WhatTheStartTakesAtATouchIsDissipatedAndNotForgotten) {
+  for (const char* method : {"fully_discrete", "finite_difference"}) {
+    const Case run = parse_scene(fmt::format("[bar]\nlength = 1\n[left]\nkind = \"obstacle\"\ngap = 0\nmass = 5\n"
+                                             "[initial]\nvelocity = -1\n[time]\nend = 0.5\n[mesh]\nelements = 50\n"
+                                             "[method]\nname = \"{}\"\n",
+                                             method),
+                                 "")
+                         .run;
+    Observers observers;
+    observers.energy = true;
+    const Statistics done = simulate(resolve(run), observers);
+    EXPECT_NEAR(done.energy->initial, 3.0, 64.0 * 3.0 * eps) << method;
+    // The mass, and of the rod what the node has of it: of an element a half at most.
+    EXPECT_NEAR(done.energy->dissipated, 2.5, 0.5 / 50.0) << method;
+    EXPECT_NEAR(done.energy->balance_error(), 0.0, 1e-12) << method;
   }
 }
 

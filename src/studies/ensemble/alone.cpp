@@ -38,16 +38,25 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
                        {done.account->left.peak_reaction, done.account->right.peak_reaction});
     return values;
   };
-  if (!error || !is_adaptive(run.method)) return {once(), std::numeric_limits<double>::quiet_NaN(), steps};
+  // Finer by the tolerance, or by the step of a scheme that the scene left open.
+  const bool adaptive = is_adaptive(run.method), halves = !adaptive && run.automatic && !run.step;
+  if (!error || !(adaptive || halves)) return {once(), std::numeric_limits<double>::quiet_NaN(), steps};
+  const int most = adaptive ? 5 : 10;
   std::unique_ptr<BarValues> coarse;
   double tolerance = *error;
   for (int k = 0;; ++k, tolerance /= 10.0) {
-    setup.run.tolerance = {tolerance, std::nullopt, run.tolerance.control};
+    if (adaptive)
+      setup.run.tolerance = {tolerance, std::nullopt, run.tolerance.control};
+    else if (k > 0)
+      setup.step /= 2.0;
     setup.method = method_row(run.method).options(setup);
     std::unique_ptr<BarValues> fine = once();
     if (coarse) {
-      const double found = std::max(0.4 * difference(layout, *coarse, *fine, run.end), 0.1 * tolerance);
-      if (found <= *error || k == 5 || tolerance < 1e-12) return {std::move(fine), found, steps};
+      const double apart = difference(layout, *coarse, *fine, run.end);
+      // An impact within a step is of first order, and told to a step.
+      const double found = adaptive ? std::max(0.4 * apart, 0.1 * tolerance)
+                                    : std::max(1.5 * apart, fine->changes.empty() ? rounding : setup.step / run.end);
+      if (found <= *error || k == most || (adaptive && tolerance < 1e-12)) return {std::move(fine), found, steps};
     }
     coarse = std::move(fine);
   }

@@ -64,6 +64,9 @@ struct BarValues {
 void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, const Fields& at, std::size_t k,
           double* to);
 
+/// No estimate is smaller.
+inline constexpr double rounding = 1e-12;
+
 /// The largest difference of two runs of a bar, as EnsembleStudy::error.
 double difference(const Layout& layout, const BarValues& a, const BarValues& b, double end);
 

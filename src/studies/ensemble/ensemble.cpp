@@ -213,7 +213,7 @@ class EnsembleRun {
                   result_.values[o].begin() + static_cast<std::ptrdiff_t>(i * width));
     }
     result_.error[i] = told.error, result_.ways[i] = way, result_.steps[i] = told.steps;
-    end_bar(i, study_.error && told.error > *study_.error ? BarStatus::not_kept : BarStatus::kept);
+    end_bar(i, !study_.error || told.error <= *study_.error ? BarStatus::kept : BarStatus::not_kept);
   }
 
   void end_bar(std::size_t i, BarStatus status) {

@@ -9,7 +9,7 @@ namespace viscobar::bars {
 
 namespace {
 
-constexpr double safety = 1.5, margin = 1.1, rounding = 1e-12, share_of_steps = 0.025;
+constexpr double safety = 1.5, margin = 1.1, share_of_steps = 0.025;
 constexpr double fits = 1.5;         // times the difference that order 2 tells beforehand
 constexpr double crossing = 1400.0;  // steps of a wave's way through the bar; two runs by rigid cost no more
 
@@ -117,13 +117,16 @@ void LaneLevels::judge(Waiting bar, std::size_t lane_of, std::unique_ptr<BarValu
   const bool by_changes = layout_.most_changes > 0;  // they are at ends of steps
   const double expected = bar.error ? *bar.error / (ratio * ratio) : 0.0;
   const bool of_order_2 = bar.error && !by_changes && second <= fits * expected;
-  const double found = std::max({safety * (of_order_2 ? second : first), expected, rounding});
+  // Both may put a change at the end of one and the same step, which tells no time better than to a step.
+  const double resolution = fine->changes.empty() ? 0.0 : step_at(level) / shared_.end;
+  const double found = std::max({safety * (of_order_2 ? second : first), expected, resolution, rounding});
   const bool kept = found <= *shared_.error && meets_outputs(level);
   if (kept || level == most_level) {
     if (!kept && shared_.rigid_beside) return alone_(bar.bar);
     return told(bar.bar, lane_of, std::move(fine), found, level);
   }
-  const double more = by_changes ? safety * first / *shared_.error : std::sqrt(safety * second / *shared_.error);
+  const double more =
+      by_changes ? std::max(safety * first, resolution) / *shared_.error : std::sqrt(safety * second / *shared_.error);
   const double steps = std::clamp(margin * more, 1.4, 64.0) * static_cast<double>(steps_at(level));
   if (steps > crossing * ways(bar.own.member.bar) && shared_.rigid_beside) return alone_(bar.bar);
   std::size_t next = std::max(level_of(steps), level + 1);

@@ -87,8 +87,8 @@ struct Words {
 };
 
 constexpr std::array<Words, 5> of_status = {{
-    {"kept", "at the end, within the error that was asked for, or by the scene's own method"},
-    {"not_kept", "at the end, its estimate above the error that was asked for"},
+    {"kept", "at the end, and within the error where one was asked for"},
+    {"not_kept", "at the end, its estimate above the error that was asked for, or none made"},
     {"failed", "stopped before the end"},
     {"faulty", "its scene cannot be run"},
     {"not_run", "the ensemble was stopped before"},
