@@ -305,6 +305,8 @@ void SceneEntries::read_series(const std::string& name, const SceneTable& table)
   if (const auto powers = unit_powers(key.unit)) request.unit = unit_name(units, *powers);
   if (key.unit == "1") request.unit = key.unit;  // a column with a unit is of another size
   request.place_unit = request.variable == 't' ? units.time : units.length;
+  for (const std::string* unit : {&units.length, &units.time, &units.mass, &units.force, &units.stress})
+    request.names_units |= !unit->empty();
   request.folder = folder();
   try {
     series_[name] = series_of(table, request);

@@ -233,8 +233,14 @@ struct SeriesTable {
 };
 
 // Factor from the numbers of a column to those of the scene.
-double ratio(const TraceFile::Column& column, const std::string& name, const std::string& unit) {
-  if (column.unit.empty() || unit.empty()) return 1.0;
+double ratio(const TraceFile::Column& column, const std::string& name, const std::string& unit, bool names_units) {
+  if (column.unit.empty()) return 1.0;
+  if (unit.empty() && names_units)
+    throw std::invalid_argument(
+        fmt::format("column {} is in {}, and [units] of the scene does not say what its own numbers are in: name "
+                    "those units too, or give a scale",
+                    name, column.unit));
+  if (unit.empty()) return 1.0;
   const auto ratio = unit_ratio(column.unit, unit);
   if (!ratio)
     throw std::invalid_argument(
@@ -258,8 +264,8 @@ std::pair<std::vector<double>, std::vector<double>> measured(const SeriesTable& 
   TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", named}, {}, places_name);
   if (!read.doubts.empty()) throw std::invalid_argument(read.doubts.front());
   const TraceFile::Column &at = *read.column("t"), &of = *read.column(values_name);
-  const double place_ratio = ratio(at, places_name, request.place_unit);
-  const double value_ratio = table.find("scale") ? 1.0 : ratio(of, *column, request.unit);
+  const double place_ratio = ratio(at, places_name, request.place_unit, request.names_units);
+  const double value_ratio = table.find("scale") ? 1.0 : ratio(of, *column, request.unit, request.names_units);
   std::pair<std::vector<double>, std::vector<double>> all;
   for (std::size_t k = 0; k < read.rows; ++k) {
     if (!std::isfinite(of.values[k])) continue;

@@ -67,6 +67,7 @@ struct SeriesRequest {
   char variable = 't';           ///< or 'x'
   bool jumps = true;             ///< allowed
   std::string unit, place_unit;  ///< that the scene names for them; empty: none
+  bool names_units = false;      ///< the scene, of some quantity: then a unit of a file is not passed over
   std::filesystem::path folder;
 };
 /// @throws std::invalid_argument with what is wrong; SceneError of the file

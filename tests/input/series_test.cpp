@@ -210,6 +210,16 @@ TEST_F(Records, HaveUnitsAScaleAndAnotherNameForTheirTimes) {
   EXPECT_EQ(breaks(1.0, 9.0), 2.0);
 }
 
+TEST_F(Records, AUnitThatTheSceneCannotPlaceIsRefusedAndNotPassedOver) {
+  write("record.csv", "t [s],F [kN]\n0,0\n3,1\n");
+  const std::string force =
+      "[left]\nkind = \"free\"\nforce = { file = \"record.csv\", column = \"F\", interpolation = \"linear\" }\n";
+  EXPECT_NE(refused(bar + "[units]\ntime = \"s\"\nforce = \"N\"\n" + force)
+                .find("column F is in kN, and [units] of the scene does not say"),
+            std::string::npos);
+  EXPECT_EQ(refused(bar + force), "");  // a scene without units
+}
+
 // A free bar of mass 1 that is pushed for a thousandth of its run has the momentum of that push.
 TEST_F(Records, WithAPulseInAQuietStretchAreNotPassedBy) {
   std::vector<double> t, y;

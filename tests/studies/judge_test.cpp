@@ -269,6 +269,19 @@ TEST(Judge, TakesContactChangesInPlaceOfSamples) {
   EXPECT_THROW(judge(bouncing({all})), std::invalid_argument);
 }
 
+// A blip that ends less than a bounce before the bar's contact is a part of it, and so is what follows.
+TEST(Judge, ABlipJustBeforeAContactIsAPartOfIt) {
+  TheirSolution theirs{"changes", {}, {}, {}};
+  theirs.changes = {change_at(0.099, Change::closing), change_at(0.0995, Change::opening),
+                    change_at(0.15, Change::closing), change_at(0.3, Change::opening)};
+  const JudgeResult judgement = judge(bouncing({theirs}));
+  EXPECT_EQ(judgement.solutions[0].count(ContactVerdict::made_up), 0u);
+  const JudgedContact& found = judgement.solutions[0].contacts.at(0);
+  EXPECT_EQ(found.verdict, ContactVerdict::found);
+  EXPECT_NEAR(found.delay().value(), -0.001, 1e-12);
+  EXPECT_NEAR(found.longer().value(), 0.001, 1e-12);
+}
+
 // A bar that falls flat on a span and stays there: u = -t until 0.1.
 TEST(Judge, SeesContactsAlongASpanAtAPlaceAndByChanges) {
   TheirSolution at_a_place{"place", {}, {{"u@0.4", {}}}, {}}, by_changes{"changes", {}, {}, {}};

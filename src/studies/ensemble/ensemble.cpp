@@ -53,7 +53,7 @@ class EnsembleRun {
     shared_ = {run.end, first_.step, run.start, run.elements, study.error, rigid};
     result_.bars = bars_;
     result_.outputs = layout_->outputs;
-    for (const EnsembleOutput& output : layout_->outputs) result_.values.emplace_back(bars_ * output.width(), none);
+    result_.values.resize(layout_->outputs.size());
     result_.status.assign(bars_, BarStatus::not_run);
     result_.ways.assign(bars_, BarWay::none);
     result_.error.assign(bars_, none);
@@ -62,6 +62,7 @@ class EnsembleRun {
 
   EnsembleResult operator()() {
     try {
+      allocate_values();
       parallel_for((bars_ + chunk_ - 1) / chunk_, [this](std::size_t k) { run_chunk(k); }, study_.threads);
       if (study_.progress) study_.progress(bars_, bars_);
     } catch (const Stopped&) {
@@ -91,6 +92,20 @@ class EnsembleRun {
     std::vector<double> values;
     for (const std::span<const double> list : study_.values) values.push_back(list.size() == 1 ? list[0] : list[bar]);
     return values;
+  }
+
+  // Piece by piece: new pages of gigabytes take seconds, in which a stop is heard.
+  void allocate_values() {
+    constexpr std::size_t piece = std::size_t{1} << 22;
+    for (std::size_t o = 0; o < result_.values.size(); ++o) {
+      const std::size_t all = bars_ * layout_->outputs[o].width();
+      std::vector<double>& values = result_.values[o];
+      values.reserve(all);
+      while (values.size() < all) {
+        if (study_.stop && study_.stop()) throw Stopped();
+        values.resize(std::min(all, values.size() + piece), none);
+      }
+    }
   }
 
   // The setup of a bar, by `rigid` where an error is asked for and the scene leaves the method open.

@@ -65,14 +65,14 @@ Periods periods_of(const std::vector<double>& times, const std::vector<double>& 
   return periods;
 }
 
-// Makes one of neighbours that meet the same one of `whole`, to a sample, and no other.
-Periods joined(const Periods& parts, const Periods& whole, double sample) {
+// Makes one of neighbours that meet the same one of `whole`, to a time that is no flight, and no other.
+Periods joined(const Periods& parts, const Periods& whole, double near) {
   Periods all;
   std::vector<std::size_t> last;
   for (const ContactPeriod& part : parts) {
     std::vector<std::size_t> met;
     for (std::size_t k = 0; k < whole.size(); ++k)
-      if (whole[k].begin <= part.end + sample && part.begin <= whole[k].end + sample) met.push_back(k);
+      if (whole[k].begin <= part.end + near && part.begin <= whole[k].end + near) met.push_back(k);
     if (met.size() == 1 && met == last)
       all.back().end = part.end, all.back().bounces += part.bounces;
     else
@@ -97,6 +97,7 @@ struct Sight {
   const std::vector<double>& times;
   double begin, end;
   double sample;  // 0: by changes
+  double near;    // times apart that are one
   double touch;
 };
 
@@ -128,7 +129,7 @@ bool grazes(const ContactPeriod& theirs, const Spot& spot, const Sight& sight) {
 
 void judge_spot(std::vector<JudgedContact>& all, const Spot& spot, const Sight& sight) {
   const double duration = sight.end - sight.begin;
-  const Periods theirs = joined(spot.theirs, spot.own, sight.sample), own = joined(spot.own, theirs, sight.sample);
+  const Periods theirs = joined(spot.theirs, spot.own, sight.near), own = joined(spot.own, theirs, sight.near);
   std::vector<JudgedContact> contacts(own.size(), spot.at);
   for (std::size_t i = 0; i < own.size(); ++i)
     contacts[i].begin = own[i].begin, contacts[i].end = own[i].end, contacts[i].parts = own[i].bounces;
@@ -164,7 +165,7 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
   judged.sample = theirs.changes ? 0.0 : (end - begin) / static_cast<double>(t.size() - 1);
   // Shorter flights are no flights: of samples two do not see them, of changes they are bounces that die away.
   const double merge = theirs.changes ? 1e-3 * (end - begin) : 2.0 * judged.sample;
-  const Sight sight{t, begin, end, judged.sample, ours.touch};
+  const Sight sight{t, begin, end, judged.sample, theirs.changes ? merge : judged.sample, ours.touch};
   const auto spot_of = [&](Where where, std::size_t joint = 0) {
     Spot spot{.at = {.where = where}};
     if (joint > 0) spot.at.place = static_cast<double>(joint);

@@ -79,7 +79,8 @@ struct EnsembleStudy {
 struct EnsembleResult {
   std::size_t bars = 0;                     ///< N
   std::vector<EnsembleOutput> outputs;      ///< in the order of the study
-  std::vector<std::vector<double>> values;  ///< of each output: N x its width; NaN where a bar has none
+  /// Of each output: N x its width; NaN where a bar has none; fewer where it was stopped before the first bar.
+  std::vector<std::vector<double>> values;
   std::vector<BarStatus> status;            ///< N
   std::vector<BarWay> ways;                 ///< N
   std::vector<double> error;                ///< N: the estimate, as EnsembleStudy::error; NaN without one
