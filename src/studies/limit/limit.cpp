@@ -276,22 +276,24 @@ void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
 }
 
 // So small a step that the distances to the scheme show the penalty's order over the epsilons asked for, or as many of
-// them as a small part of the budget buys.
+// them as a small part of the budget buys. A finer run may tell its own error so much better that the rest is cheap.
 void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
-  constexpr double part_of_budget = 0.05, part_of_distance = 0.05, little = 0.02;
-  if (mesh.judgement.verdict != Verdict::converges || mesh.judgement.evidence.until || !mesh.scheme_limit()) return;
+  constexpr double part_of_budget = 0.15, part_of_distance = 0.09, little = 0.02;
   const auto lacking = mesh.lacking_seconds;
-  const double s = *mesh.judgement.evidence.scheme_error;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Run& run : mesh.penalised)
-    if (run.complete) nearest = std::min(nearest, largest_difference(run.traces, mesh.scheme_limit()->run.traces));
-  const Case& last = mesh.scheme.back().run;
-  const double seconds = last.end / *last.step * step_seconds(last),
-               wanted = s / (part_of_distance * std::max(nearest, 10.0 * tolerance_error(mesh)));
-  double refinement = wanted;
-  if (refinement * seconds > part_of_budget * study.budget) refinement = little * study.budget / seconds;
-  if (refinement > 2.0 && smaller_step(mesh, study, std::min(refinement, 1e6), purse))
+  for (int k = 0; k < 2; ++k) {
+    if (mesh.judgement.verdict != Verdict::converges || mesh.judgement.evidence.until || !mesh.scheme_limit()) break;
+    const double s = *mesh.judgement.evidence.scheme_error;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Run& run : mesh.penalised)
+      if (run.complete) nearest = std::min(nearest, largest_difference(run.traces, mesh.scheme_limit()->run.traces));
+    const Case& last = mesh.scheme.back().run;
+    const double seconds = last.end / *last.step * step_seconds(last),
+                 wanted = s / (part_of_distance * std::max(nearest, 10.0 * tolerance_error(mesh)));
+    double refinement = wanted;
+    if (refinement * seconds > part_of_budget * study.budget) refinement = little * study.budget / seconds;
+    if (!(refinement > (k == 0 ? 2.0 : 1.0)) || !smaller_step(mesh, study, std::min(refinement, 1e6), purse)) break;
     mesh.judgement = judge_mesh(mesh, study, purse);
+  }
   mesh.lacking_seconds = lacking;
 }
 
