@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "case/method_table.hpp"
 #include "report/compare/compare_tables.hpp"
 #include "report/page.hpp"
 #include "report/run/run_data.hpp"
@@ -277,10 +278,10 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
     json["skipped"].push_back({{"method", name(skipped)}, {"reason", reason}});
   json["remarks"] = remarks(choice, check);
   tell(json, scene);
-  // A mass that the scene leaves open is the one of all methods, where they have one.
+  // A mass that the scene leaves open is the one of all methods that have a choice, where they have one.
   std::set<Mass> masses;
   for (const MethodRun& run : check.runs)
-    if (run.built_in) masses.insert(run.setup.mass);
+    if (run.built_in && !method_row(run.setup.run.method).mass) masses.insert(run.setup.mass);
   if (masses.size() == 1 && json["chosen"].contains("mesh") && json["chosen"]["mesh"].contains("mass"))
     json["chosen"]["mesh"]["mass"] = json["scene"]["mesh"]["mass"] = name(*masses.begin());
   json["version"] = versions().viscobar;
