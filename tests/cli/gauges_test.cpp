@@ -115,6 +115,8 @@ TEST_F(Gauges, SoAreJointsDataOfOthers) {
       "fit pair.toml --set bar.2.modulus=1.5 --data out/joints.csv --parameters bar.2.modulus --json -o fitted");
   ASSERT_EQ(fitted.code, 0) << fitted.error;
   EXPECT_NEAR(fitted.json()["parameters"]["bar.2.modulus"]["estimate"].get<double>(), 2.0, 1e-4) << fitted.out;
+  // A number that a bar does not say begins at what it is then.
+  EXPECT_EQ(viscobar("fit pair.toml --data out/joints.csv --parameters bar.1.modulus -q -o other").code, 0);
 }
 
 // A file of our own gauges is the bar to our own error; another gap is not.
