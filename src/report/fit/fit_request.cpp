@@ -43,9 +43,9 @@ std::pair<std::string, std::string> assignment(const std::string& text, const st
 FittedParameter parameter_of(const SceneFile& scene, const std::string& key) {
   const SceneValue* value = value_of(scene.chosen, key);
   if (!value) value = value_of(scene.values, key);
-  Case run = scene.run;
+  std::vector<Member> chain = scene.run.scene.chain;
   SceneValue own;  // of one of several bars, which does not say what it has anyway
-  if (const double* number = value ? nullptr : number_of(run, key)) value = &(own = *number);
+  if (const double* number = value ? nullptr : number_of(chain, key)) value = &(own = *number);
   if (!value || !(std::holds_alternative<double>(*value) || std::holds_alternative<std::int64_t>(*value)))
     throw std::invalid_argument(fmt::format("--parameters: the scene gives no number for {}, to begin with", key));
   FittedParameter parameter;
