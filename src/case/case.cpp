@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
@@ -25,27 +24,28 @@ bool is_adaptive(MethodName method) { return method_row(method).accuracy == Accu
 Mesh Case::mesh() const {
   if (scene.chain.empty())
     return {scene.bar.length, elements, {grading, is_obstacle(scene.left), is_obstacle(scene.right)}, nodes, {}};
-  const std::size_t sum = std::accumulate(bar_elements.begin(), bar_elements.end(), std::size_t{0});
-  std::vector<std::size_t> members(scene.chain.size(), 0);
+  std::size_t sum = 0;
+  for (const Mesh& own : bar_meshes) sum += own.elements;
+  std::vector<Mesh> members = bar_meshes;
   std::vector<double> places{0.0};
   double begin = 0.0;
   for (std::size_t m = 0; m < members.size(); ++m) {
-    const Member& member = scene.chain[m];
+    Mesh& own = members[m];
+    own.length = scene.chain[m].bar.length;
     if (m > 0 && scene.chain[m - 1].joint.kind != JointKind::bonded) places.push_back(places.back());
-    if (member.rigid()) continue;
-    const double share =
-        static_cast<double>(bar_elements[m]) * static_cast<double>(elements) / static_cast<double>(sum);
-    members[m] = sum == elements ? bar_elements[m] : std::max<std::size_t>(1, std::llround(share));
-    for (std::size_t j = 1; j <= members[m]; ++j)
-      places.push_back((begin + member.bar.length * static_cast<double>(j) / static_cast<double>(members[m])) /
-                       scene.bar.length);
-    begin += member.bar.length;
+    if (scene.chain[m].rigid()) continue;
+    own.grading.left = meets_contact(scene, m, false), own.grading.right = meets_contact(scene, m, true);
+    if (sum != elements)
+      own.elements = std::max<std::size_t>(1, std::llround(static_cast<double>(own.elements) *
+                                                           static_cast<double>(elements) / static_cast<double>(sum)));
+    for (std::size_t j = 1; j <= own.elements; ++j) places.push_back((begin + own.node(j)) / scene.bar.length);
+    begin += own.length;
   }
   return {scene.bar.length,
           places.size() - 1,
           {},
           std::make_shared<const std::vector<double>>(std::move(places)),
-          std::make_shared<const std::vector<std::size_t>>(std::move(members))};
+          std::make_shared<const std::vector<Mesh>>(std::move(members))};
 }
 
 std::vector<double> Case::output_times() const {

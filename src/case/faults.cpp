@@ -160,13 +160,22 @@ void check_end_rows(const Case& run, Findings& findings) {
 
 void check_grading(const Setup& setup, Findings& findings) {
   const Case& run = setup.run;
-  if (run.grading != 1.0 && end_obstacles(run.scene) == 0 && findings.sound({"left.kind", "right.kind"}))
-    findings.report("mesh.grading", "has no end with an obstacle to shrink the elements towards; leave it out");
+  const auto towards_nothing = [&](const std::string& key) {
+    findings.report(key, "has no end with {} to shrink the elements towards; leave it out",
+                    run.scene.chain.empty() ? "an obstacle" : "an obstacle or a contact");
+  };
+  if (run.grading != 1.0 && end_obstacles(run.scene) == 0 && !has_contact_joint(run.scene) &&
+      findings.sound({"left.kind", "right.kind"}))
+    towards_nothing("mesh.grading");
   else if (const char* key = unlike_rows(run);
-           key && setup.mass == Mass::paper && findings.sound({"mesh.mass", "method.name"}))
+           key && setup.mass == Mass::paper && run.scene.chain.empty() && findings.sound({"mesh.mass", "method.name"}))
     findings.report(key,
                     "does not fit the mass \"paper\", which has one weight h for all nodes; leave it out, or use "
                     "\"lumped\"");
+  for (std::size_t m = 0; m < run.bar_meshes.size(); ++m)
+    if (const double ratio = run.bar_meshes[m].grading.ratio; ratio != 1.0 && ratio != run.grading)
+      if (!meets_contact(run.scene, m, false) && !meets_contact(run.scene, m, true))
+        towards_nothing(fmt::format("bar.{}.grading", m + 1));
 }
 
 void check_section(const Case& run, Findings& findings) {
@@ -219,8 +228,6 @@ void check_chain(const Setup& setup, Findings& findings) {
     if (there) findings.report(key, "{} and several bars in line do not go together yet", what);
   };
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
-  refuse(run.grading != 1.0, "mesh.grading", "graded elements");
-  refuse(static_cast<bool>(run.nodes), "mesh.nodes", "given nodes");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
     const EndInput& input = right ? scene.right_input : scene.left_input;
@@ -406,10 +413,8 @@ std::vector<Finding> faults(const Setup& setup, const std::vector<std::string>& 
   }
   check_input("left", scene.left, scene.left_input, setup, findings);
   check_input("right", scene.right, scene.right_input, setup, findings);
-  if (!scene.chain.empty())
-    check_chain(setup, findings);
-  else
-    check_grading(setup, findings);
+  if (!scene.chain.empty()) check_chain(setup, findings);
+  check_grading(setup, findings);
   check_section(run, findings);
   check_memory(run, findings);
   check_initial_nodes(run, findings);

@@ -34,31 +34,27 @@ bool impacts_stay(const Case& run) {
 bool fourth_order_fits(const Case& run) {
   if (run.elements < 3) return false;
   if (run.rows_alike()) return true;
-  const Mesh mesh = run.mesh();
-  if (!run.scene.chain.empty())
-    return std::ranges::all_of(pieces_of(run.scene, mesh), [](const Piece& piece) {
-      if (piece.rigid() || !piece.section) return piece.rigid() || piece.mesh.elements >= 3;
-      bool fits = piece.mesh.elements >= 3;
-      for (std::size_t j = 1; j < piece.mesh.elements; ++j) {
-        const auto [least, most] = std::minmax({piece.stretch(j - 1), piece.stretch(j)});
-        fits &= most <= largest_jump * least;
-      }
-      return fits;
-    });
-  const auto stretch = [&](std::size_t j) {
-    const double half = 0.5 * mesh.element(j), middle = mesh.node(j) + half;
-    if (!run.scene.section) return 2.0 * half;
-    double sum = 0.0;
-    for (const auto [node, weight] : gauss(10)) sum += half * weight / run.scene.section(middle + half * node);
-    return sum;
+  const auto fits = [](const Mesh& mesh, const SpaceFunction& section) {
+    const auto stretch = [&](std::size_t j) {
+      const double half = 0.5 * mesh.element(j), middle = mesh.node(j) + half;
+      if (!section) return 2.0 * half;
+      double sum = 0.0;
+      for (const auto [node, weight] : gauss(10)) sum += half * weight / section(middle + half * node);
+      return sum;
+    };
+    double before = stretch(0);
+    for (std::size_t j = 1; j < mesh.elements && !(mesh.uniform() && !section); ++j) {
+      const double next = stretch(j);
+      if (!(std::max(before, next) <= largest_jump * std::min(before, next))) return false;
+      before = next;
+    }
+    return mesh.elements >= 3;
   };
-  double before = stretch(0);
-  for (std::size_t j = 1; j < mesh.elements; ++j) {
-    const double next = stretch(j);
-    if (!(std::max(before, next) <= largest_jump * std::min(before, next))) return false;
-    before = next;
-  }
-  return true;
+  const Mesh mesh = run.mesh();
+  const std::vector<Member>& chain = run.scene.chain;
+  for (std::size_t m = 0; m < chain.size(); ++m)
+    if (!chain[m].rigid() && !fits((*mesh.members)[m], chain[m].section)) return false;
+  return !chain.empty() || fits(mesh, run.scene.section);
 }
 
 namespace {

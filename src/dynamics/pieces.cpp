@@ -40,7 +40,7 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   for (std::size_t m = 0; m < scene.chain.size(); ++m) {
     const Member& member = scene.chain[m];
     const bool apart = m > 0 && scene.chain[m - 1].joint.kind != JointKind::bonded;
-    const Mesh own{member.bar.length, (*mesh.members)[m]};
+    const Mesh& own = (*mesh.members)[m];
     pieces.push_back({own, m == 0 ? 0 : pieces.back().last() + (apart ? 1 : 0), begin, member.bar, member.mass,
                       member.rigid() ? nullptr : section(member.section, member.section_places, own),
                       member.displacement, member.velocity});

@@ -34,7 +34,7 @@ void check_member(SceneEntries& entries, std::size_t number) {
   }
   if (!entries.present(key("mass")))
     return entries.report(key("length"), "is missing: a bar has a length, and a rigid body a mass in its place");
-  for (const char* leaf : {"density", "modulus", "viscosity", "section", "elements"})
+  for (const char* leaf : {"density", "modulus", "viscosity", "section", "elements", "grading", "nodes"})
     if (entries.present(key(leaf))) entries.report(key(leaf), "belongs to a bar; this is a rigid body, by its mass");
   for (const char* leaf : {"displacement", "velocity"})
     if (const auto formula = entries.formula(key(leaf)); formula && !formula->is_constant())
@@ -97,28 +97,61 @@ std::vector<Part> parts_of(const SceneEntries& entries, const std::vector<Member
   return parts;
 }
 
-// Elements as each bar asks for them; the others get as many in the time of a wave as the finest, or all share [mesh]
-// by it.
-std::vector<std::size_t> elements_of(const SceneEntries& entries, const std::vector<Member>& chain) {
-  std::vector<std::size_t> elements(chain.size(), 0);
+}  // namespace
+
+std::shared_ptr<const std::vector<double>> nodes_of(const SceneEntries& entries, const std::string& key,
+                                                    double length) {
+  std::vector<double> nodes = entries.numbers(key);
+  if (nodes.size() < 2 || nodes.back() != length) return nullptr;
+  for (double& node : nodes) node /= length;
+  return std::make_shared<const std::vector<double>>(std::move(nodes));
+}
+
+void check_nodes(SceneEntries& entries, const std::string& table, const std::string& length_key) {
+  const std::string key = table + ".nodes", grading = table + ".grading";
+  if (!entries.present(key) || entries.faulty(key)) return;
+  const std::vector<double> nodes = entries.numbers(key);
+  const double length = entries.number(length_key).value_or(0.0), closest = 1e-6 * length;
+  const auto fall =
+      std::ranges::adjacent_find(nodes, [closest](double a, double b) { return b <= a || b - a < closest; });
+  if (nodes.size() < 2)
+    entries.report(key, "needs both ends of the bar at least, 0 and {}", length_key);
+  else if (fall != nodes.end())
+    entries.report(key, "must rise by 1e-6 of {} at least, and {} follows {}", length_key, fall[1], fall[0]);
+  else if (length > 0.0 && (nodes.front() != 0.0 || nodes.back() != length))
+    entries.report(key, "must go from 0 to {} = {}, and go from {} to {}", length_key, length, nodes.front(),
+                   nodes.back());
+  if (entries.number(grading).value_or(1.0) != 1.0)
+    entries.report(grading, "does not go with {}, which say where elements are small", key);
+}
+
+namespace {
+
+// Nodes and gradings as each bar asks for them, and elements; the other bars get as many in the time of a wave as the
+// finest, or all share [mesh] by it.
+std::vector<Mesh> meshes_of(const SceneEntries& entries, const std::vector<Member>& chain) {
+  std::vector<Mesh> meshes(chain.size(), Mesh{0.0, 0});
   std::vector<double> transits(chain.size(), 0.0);
   double density = 0.0;
   for (std::size_t m = 0; m < chain.size(); ++m) {
     const Bar& bar = chain[m].bar;
     if (chain[m].rigid()) continue;
     transits[m] = bar.length * std::sqrt(bar.density / bar.modulus);
-    const auto own = entries.number(key_of("bar", m + 1, "elements"));
-    if (!own) continue;
-    elements[m] = static_cast<std::size_t>(*own);
-    density = std::max(density, *own / transits[m]);
+    const auto number = [&](const char* leaf) { return entries.number(key_of("bar", m + 1, leaf)); };
+    meshes[m].given = nodes_of(entries, key_of("bar", m + 1, "nodes"), bar.length);
+    if (!meshes[m].given)
+      meshes[m].grading.ratio = number("grading").value_or(entries.number("mesh.grading").value_or(1.0));
+    meshes[m].elements = static_cast<std::size_t>(
+        number("elements").value_or(meshes[m].given ? static_cast<double>(meshes[m].given->size() - 1) : 0.0));
+    density = std::max(density, static_cast<double>(meshes[m].elements) / transits[m]);
   }
   const double time = std::accumulate(transits.begin(), transits.end(), 0.0);
   if (density == 0.0) density = entries.number("mesh.elements").value_or(default_elements) / time;
   constexpr double fewest = 4.0;  // in a bar that says nothing: a row of each end and one between
   for (std::size_t m = 0; m < chain.size(); ++m)
-    if (!chain[m].rigid() && elements[m] == 0)
-      elements[m] = static_cast<std::size_t>(std::max(fewest, std::round(density * transits[m])));
-  return elements;
+    if (!chain[m].rigid() && meshes[m].elements == 0)
+      meshes[m].elements = static_cast<std::size_t>(std::max(fewest, std::round(density * transits[m])));
+  return meshes;
 }
 
 }  // namespace
@@ -135,6 +168,7 @@ void check_chain(SceneEntries& entries) {
   for (std::size_t k = 1; k <= count; ++k) {
     check_member(entries, k);
     bars += entries.present(key_of("bar", k, "length")) || entries.faulty(key_of("bar", k, "length"));
+    check_nodes(entries, fmt::format("bar.{}", k), key_of("bar", k, "length"));
   }
   if (bars == 0) entries.report("bar.1.length", "is missing: rigid bodies alone are no bars");
   for (std::size_t k = 1; k <= joints; ++k)
@@ -145,6 +179,8 @@ void check_chain(SceneEntries& entries) {
   for (const char* leaf : {"length", "density", "modulus", "viscosity", "section"})
     if (const std::string key = fmt::format("bar.{}", leaf); entries.given(key))
       entries.report(key, "says not which of {} bars: write {}", count, key_of("bar", 1, leaf));
+  if (entries.present("mesh.nodes"))
+    entries.report("mesh.nodes", "says not which of {} bars: write {}", count, key_of("bar", 1, "nodes"));
 }
 
 void take_chain(const SceneEntries& entries, Case& run) {
@@ -184,10 +220,12 @@ void take_chain(const SceneEntries& entries, Case& run) {
   };
   take("displacement", scene.displacement, scene.displacement_places, &Member::displacement);
   take("velocity", scene.velocity, scene.velocity_places, &Member::velocity);
-  run.bar_elements = elements_of(entries, scene.chain);
-  const std::size_t sum = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+  run.bar_meshes = meshes_of(entries, scene.chain);
+  std::size_t sum = 0;
+  for (const Mesh& own : run.bar_meshes) sum += own.elements;
   bool own = false;
-  for (std::size_t k = 1; k <= count; ++k) own |= entries.present(key_of("bar", k, "elements"));
+  for (std::size_t k = 1; k <= count; ++k)
+    own |= entries.present(key_of("bar", k, "elements")) || entries.present(key_of("bar", k, "nodes"));
   if (!own || !entries.present("mesh.elements")) run.elements = sum;
 }
 
@@ -223,7 +261,7 @@ void describe_chain(const SceneEntries& entries, const Case& run, SceneValues& v
       const std::string key = key_of(row.table(), k, row.leaf());
       if (row.leaf() == "elements") {
         if (!run.scene.chain[k - 1].rigid())
-          values.emplace_back(key, static_cast<std::int64_t>(run.bar_elements[k - 1]));
+          values.emplace_back(key, static_cast<std::int64_t>(run.bar_meshes[k - 1].elements));
       } else if (entries.present(key)) {
         values.emplace_back(key, entries.described(key));
       }

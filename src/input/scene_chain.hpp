@@ -5,6 +5,12 @@
 
 namespace viscobar {
 
+/// Given nodes of a bar of that length in parts of it; null: the key has none, or faulty ones.
+std::shared_ptr<const std::vector<double>> nodes_of(const SceneEntries& entries, const std::string& key, double length);
+
+/// Reports what is wrong with the nodes of a table, of a bar of the length that a key has.
+void check_nodes(SceneEntries& entries, const std::string& table, const std::string& length);
+
 /// Reports what is wrong with the tables [[bar]] and [[joint]] of several bars in line, each by itself and together.
 void check_chain(SceneEntries& entries);
 

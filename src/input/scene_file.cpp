@@ -103,14 +103,6 @@ OutputFiles files_of(const SceneEntries& entries) {
   return {named("ends"), named("events"), named("field"), named("energy"), named("report")};
 }
 
-void take_nodes(const SceneEntries& entries, Case& run) {
-  std::vector<double> nodes = entries.numbers("mesh.nodes");
-  if (nodes.size() < 2 || entries.faulty("bar.length")) return;
-  if (!entries.present("mesh.elements")) run.elements = nodes.size() - 1;
-  for (double& node : nodes) node /= run.scene.bar.length;
-  run.nodes = std::make_shared<const std::vector<double>>(std::move(nodes));
-}
-
 // The case that the sound keys make; a faulty one gets a value that does no harm.
 Case case_of(SceneEntries& entries) {
   const auto number = [&](const char* key, double otherwise) { return entries.number(key).value_or(otherwise); };
@@ -145,7 +137,8 @@ Case case_of(SceneEntries& entries) {
   run.elements =
       entries.faulty("mesh.elements") ? 1 : static_cast<std::size_t>(number("mesh.elements", default_elements));
   run.grading = number("mesh.grading", 1.0);
-  take_nodes(entries, run);
+  run.nodes = nodes_of(entries, "mesh.nodes", run.scene.bar.length);
+  if (run.nodes && !entries.present("mesh.elements")) run.elements = run.nodes->size() - 1;
   take_chain(entries, run);
   if (entries.present("mesh.mass")) run.mass = chosen(entries, "mesh.mass", all_masses, Mass::consistent);
   run.epsilon = entries.number("contact.epsilon");
@@ -208,23 +201,6 @@ void check_load_keys(SceneEntries& entries) {
     entries.report("load.density", "is missing: a load has a density, or a profile and a history");
   else if (profile != history)
     entries.report(profile ? "load.history" : "load.profile", "is missing: profile and history come together");
-}
-
-void check_nodes(SceneEntries& entries) {
-  if (!entries.present("mesh.nodes") || entries.faulty("mesh.nodes")) return;
-  const std::vector<double> nodes = entries.numbers("mesh.nodes");
-  const double length = entries.number("bar.length").value_or(0.0), closest = 1e-6 * length;
-  const auto fall =
-      std::ranges::adjacent_find(nodes, [closest](double a, double b) { return b <= a || b - a < closest; });
-  if (nodes.size() < 2)
-    entries.report("mesh.nodes", "needs both ends of the bar at least, 0 and bar.length");
-  else if (fall != nodes.end())
-    entries.report("mesh.nodes", "must rise by 1e-6 of bar.length at least, and {} follows {}", fall[1], fall[0]);
-  else if (length > 0.0 && (nodes.front() != 0.0 || nodes.back() != length))
-    entries.report("mesh.nodes", "must go from 0 to bar.length = {}, and go from {} to {}", length, nodes.front(),
-                   nodes.back());
-  if (entries.number("mesh.grading").value_or(1.0) != 1.0)
-    entries.report("mesh.grading", "does not go with mesh.nodes, which say where elements are small");
 }
 
 void check_side_keys(SceneEntries& entries) {
@@ -399,7 +375,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Telling 
     check_laws(entries);
     check_load_keys(entries);
     check_side_keys(entries);
-    check_nodes(entries);
+    check_nodes(entries, "mesh", "bar.length");
     check_chain(entries);
     check_motion(entries);
     Setup setup = validated_setup(entries, adapt);

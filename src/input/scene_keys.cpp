@@ -159,6 +159,8 @@ constexpr SceneKey member_rows[] = {
     {"bar.displacement", formula, optional, "", "0.0", "length", "u_0, x from the left end of this bar; absent: initial.displacement, x from that of the chain", {}, {}, "x"},
     {"bar.velocity", formula, optional, "", "1.0", "length / time", "u_1 likewise; absent: initial.velocity", {}, {}, "x"},
     {"bar.elements", count, optional, "", "50", "1", "elements of this bar; absent: by the time that a wave takes through it, all together mesh.elements", {1.0, 1e8, "1 to 1e8"}},
+    {"bar.grading", number, optional, "", "4.0", "1", "ratio of the largest element of this bar to the smallest; elements shrink towards its contacts; absent: mesh.grading", {1.0, 1e6, "1 to 1e6"}},
+    {"bar.nodes", numbers, optional, "", "[0.0, 0.1, 0.3, 0.6, 1.0]", "length", "nodes of this bar, rising from 0 to its length; with elements that many along the same lengths", not_negative},
     {"joint.kind", choice, required_in_table, "", "\"contact\"", "", "how a bar hangs together with the next; without a table they are bonded"},
     {"joint.gap", number, optional, "0.0", "0.05", "length", "between the two where nothing is displaced, of a contact", not_negative},
     {"joint.law", choice, optional, "", "\"hertz\"", "", "law of the contact, instead of that of [contact]"},

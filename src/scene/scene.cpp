@@ -122,6 +122,16 @@ Bar whole_of(const std::vector<Member>& chain) {
   return whole;
 }
 
+bool meets_contact(const Scene& scene, std::size_t member, bool right) {
+  const std::vector<Member>& chain = scene.chain;
+  for (std::size_t m = member;; right ? ++m : --m) {
+    if (m == (right ? chain.size() - 1 : 0)) return is_obstacle(right ? scene.right : scene.left);
+    const Joint& joint = chain[right ? m : m - 1].joint;
+    if (joint.kind != JointKind::bonded) return joint.kind == JointKind::contact;
+    if (!chain[right ? m + 1 : m - 1].rigid()) return false;
+  }
+}
+
 std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right) {
   const auto& stop = left.stop ? left.stop : right.stop;
   if (!stop) return std::nullopt;

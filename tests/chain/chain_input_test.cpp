@@ -23,6 +23,12 @@ std::string complaint(const std::string& text, std::vector<std::string> settings
   return "";
 }
 
+std::vector<std::size_t> elements_of(const Case& run) {
+  std::vector<std::size_t> elements;
+  for (const Mesh& own : run.bar_meshes) elements.push_back(own.elements);
+  return elements;
+}
+
 const std::string pair =
     "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 1.0\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus = "
     "3.0\nviscosity = 0.2\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[time]\nend = 2.0\n";
@@ -65,7 +71,12 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "load.density: depends on time", by_waves({"bar.1.viscosity=0", "load.density=sin(t)"}));
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
-  says(pair, "mesh.grading: graded elements and several bars in line", {"mesh.grading=2"});
+  says(pair, "bar.1.nodes: must go from 0 to bar.1.length = 1", {"bar.1.nodes=[0,0.5,2]"});
+  says(pair, "bar.1.nodes: must rise by 1e-6 of bar.1.length", {"bar.1.nodes=[0,0.5,0.5,1]"});
+  says(pair, "bar.1.grading: does not go with bar.1.nodes", {"bar.1.nodes=[0,0.5,1]", "bar.1.grading=2"});
+  says(pair, "mesh.nodes: says not which of 2 bars: write bar.1.nodes", {"mesh.nodes=[0,1,2.5]"});
+  says(pair, "bar.2.grading: has no end with an obstacle or a contact",
+       {"joint.1.kind=bonded", "joint.1.gap=", "bar.2.velocity=1", "bar.2.grading=3"});
   says(pair, "span.gap", {"span.gap=2"});
   says(pair, "left.gap: an end or an obstacle that moves", {"left.kind=obstacle", "left.gap=0.1+t"});
   says(pair, "\"hertz\" is no law for exponential",
@@ -100,17 +111,18 @@ TEST(ChainInput, OneTableAloneIsABar) {
 
 // A scene is written as that scene, elements included.
 TEST(ChainInput, IsDescribedAsItWasUnderstood) {
-  const std::vector<std::string> finer = {"mesh.elements=90"};
-  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, finer}) {
+  const std::vector<std::string> finer = {"mesh.elements=90"}, unlike = {"bar.1.nodes=[0,0.1,0.5,1]", "mesh.grading=3"};
+  for (const std::vector<std::string>& settings : {std::vector<std::string>{}, finer, unlike}) {
     const SceneFile scene = parse_scene(pair, "", settings);
     const SceneFile again = described_scene(scene.description(), ""), text = parse_scene(scene_text(scene.values), "");
     EXPECT_EQ(again.description(), scene.description());
     EXPECT_EQ(text.description(), scene.description());
-    EXPECT_EQ(again.run.bar_elements, scene.run.bar_elements);
+    EXPECT_EQ(elements_of(again.run), elements_of(scene.run));
     const Mesh mesh = scene.run.mesh();
     EXPECT_EQ(mesh.elements, scene.run.elements + 1);
-    EXPECT_EQ(mesh.node((*mesh.members)[0]), 1.0);
-    EXPECT_EQ(mesh.node((*mesh.members)[0] + 1), 1.0);
+    EXPECT_EQ(mesh.node(mesh.members->front().elements), 1.0);
+    EXPECT_EQ(mesh.node(mesh.members->front().elements + 1), 1.0);
+    for (std::size_t j = 0; j < mesh.elements; ++j) EXPECT_EQ(mesh.node(j), again.run.mesh().node(j));
     EXPECT_EQ(mesh.node(mesh.elements), 2.5);
   }
 }
@@ -118,8 +130,8 @@ TEST(ChainInput, IsDescribedAsItWasUnderstood) {
 // By the time of a wave: 1 and 1.5 / sqrt(1.5).
 TEST(ChainInput, SharesElementsByTheTimeOfAWave) {
   const Case run = parse_scene(pair, "").run;
-  EXPECT_EQ(run.bar_elements, (std::vector<std::size_t>{45, 55}));
-  EXPECT_EQ(parse_scene(pair, "", std::vector<std::string>{"bar.1.elements=10"}).run.bar_elements,
+  EXPECT_EQ(elements_of(run), (std::vector<std::size_t>{45, 55}));
+  EXPECT_EQ(elements_of(parse_scene(pair, "", std::vector<std::string>{"bar.1.elements=10"}).run),
             (std::vector<std::size_t>{10, 12}));
 }
 

@@ -69,7 +69,7 @@ void expect_derivatives(const std::string& text, const std::string& key, double 
     all.push_back(fmt::format("{}={:.17g}", key, now));
     if (derivatives) all.push_back(fmt::format("sensitivity.of=[\"{}\"]", key));
     Case run = parse_scene(text, "", all).run;
-    run.elements = start.elements, run.bar_elements = start.bar_elements;  // bars share them by their numbers
+    run.elements = start.elements, run.bar_meshes = start.bar_meshes;  // bars share them by their numbers
     return told_by(run, derivatives);
   };
   constexpr double tolerance = 1e-10, share = 2e-3;
@@ -189,7 +189,7 @@ TEST(Hopkinson, AFitGivesModulusAndViscosityOfTheSpecimenBack) {
     settings.push_back(fmt::format("bar.3.viscosity={:.17g}", values[1]));
     settings.push_back("sensitivity.of=[\"bar.3.modulus\", \"bar.3.viscosity\"]");
     Case run = read_scene(hopkinson, settings).run;
-    run.elements = start.elements, run.bar_elements = start.bar_elements;
+    run.elements = start.elements, run.bar_meshes = start.bar_meshes;
     return run;
   };
   const FitResult result = fit(study);

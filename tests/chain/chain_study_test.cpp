@@ -36,9 +36,9 @@ Case scene(Settings settings) {
 // In each bar so many times the elements.
 Case finer(Case run, std::size_t times) {
   const Mesh mesh = run.mesh();
-  run.bar_elements = *mesh.members;
+  run.bar_meshes = *mesh.members;
   run.elements = 0;
-  for (std::size_t& count : run.bar_elements) run.elements += count *= times;
+  for (Mesh& own : run.bar_meshes) run.elements += own.elements *= times;
   return run;
 }
 

@@ -126,6 +126,28 @@ TEST(Bonded, EqualBarsAreOneBar) {
     }
 }
 
+// A horn in two parts, fixed and free: with A = e^{2x}, u = e^{-x} sin(k x), tan k = k, omega^2 = k^2 + 1. One part has
+// given nodes, the other one shrinks towards an obstacle that is not met.
+TEST(BarMeshes, AHornInTwoPartsHasItsFrequenciesToFourthOrder) {
+  const double exact = std::hypot(4.493409457909064, 1.0);
+  std::vector<double> errors;
+  for (const int elements : {24, 48, 96}) {
+    const auto setup = setup_of(fmt::format(
+        "[[bar]]\nlength = 0.4\nsection = \"exp(2*x)\"\nelements = {0}\nnodes = [0.0, 0.07, 0.17, 0.27, 0.4]\n[[bar]]\nlength = "
+        "0.6\nsection = \"exp(2*x+0.8)\"\nelements = {0}\ngrading = 3.0\n[left]\nkind = \"fixed\"\n[right]\nkind = "
+        "\"obstacle\"\ngap = 9.0\n[initial]\nvelocity = \"x\"\n[time]\nend = 1.0\n[mesh]\nmass = \"fourth_order\"\n",
+        elements));
+    EXPECT_LT(setup.mesh.element(2 * static_cast<std::size_t>(elements) - 1),
+              0.4 * setup.mesh.element(static_cast<std::size_t>(elements)));
+    const auto [modes, imaginary] = frequencies(setup.system());
+    EXPECT_LT(imaginary, 1e-9);
+    EXPECT_NEAR(modes[0], 1.0, 1e-4);  // k = 0
+    errors.push_back(modes[1] / exact - 1.0);
+  }
+  EXPECT_LT(std::abs(errors[2]), 1e-6);
+  EXPECT_GT(order(errors[1], errors[2]), 3.7) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+}
+
 // A pulse through the interface of unlike bars: differences of meshes fall as h^4, and energy is kept.
 TEST(Bonded, APulsePassesAnInterfaceToFourthOrder) {
   std::vector<std::vector<double>> traces;
@@ -154,6 +176,38 @@ TEST(Bonded, APulsePassesAnInterfaceToFourthOrder) {
   EXPECT_LT(difference(2), 1e-6);
 }
 
+// The same pulse, and sections, on unlike meshes: of one bar given nodes, of the other graded.
+TEST(BarMeshes, APulsePassesAnInterfaceToFourthOrderByEveryKindOfMethod) {
+  for (const char* method : {"rigid", "cvode", "fully_discrete"}) {
+    std::vector<std::vector<double>> traces;
+    for (const int elements : {24, 48, 96, 192}) {
+      const Recording found = record(
+          parse_scene(
+              fmt::format(
+                  "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = {0}\nvelocity = \"exp(-((x-0.5)/0.15)^2)\"\nsection = "
+                  "\"exp(x)\"\nnodes = [0.0, 0.2, 0.5, 0.8, 1.0]\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus = 3.0\nviscosity "
+                  "= 0.2\nelements = {0}\ngrading = 2.5\nsection = \"(2-x)^2+0.5\"\nvelocity = 0.0\n[right]\nkind = \"obstacle\"\n"
+                  "gap = 9.0\n[time]\nend = 2.0\n[mesh]\nmass = \"fourth_order\"\n[method]\nname = \"{1}\"\nrelative_tolerance = 1e-11\n"
+                  "step = 1e-3\nstart = \"second_order\"\n[contact]\nepsilon = 1e-3\n[output]\nevery = 0.1\n",
+                  elements, method),
+              "")
+              .run);
+      auto& trace = traces.emplace_back();
+      for (std::size_t k = 0; k < found.times.size(); ++k)
+        for (const int node : {0, elements, 2 * elements})
+          trace.push_back(found.displacement(k)[static_cast<std::size_t>(node)]);
+    }
+    const auto difference = [&](std::size_t m) {
+      double most = 0.0;
+      for (std::size_t k = 0; k < traces[m].size(); ++k)
+        most = std::max(most, std::abs(traces[m][k] - traces[m + 1][k]));
+      return most;
+    };
+    EXPECT_GT(order(difference(1), difference(2)), 3.7)
+        << method << ' ' << difference(0) << ' ' << difference(1) << ' ' << difference(2);
+  }
+}
+
 std::string pair_text(double alpha, int elements, const char* method) {
   return fmt::format(
       "[[bar]]\nlength = 1.0\nviscosity = {0}\nvelocity = 1.0\nelements = {1}\n[[bar]]\nlength = 1.5\ndensity = 2.0\nmodulus "
@@ -170,6 +224,25 @@ struct PairTruth {
 constexpr PairTruth pair_truths[] = {{1.0, 1.5535874882557, 0.89166619755518},
                                      {0.1, 2.0599929079778, 1.2432684888266},
                                      {0.01, 2.068825800376, 1.370641194291}};
+
+// The same pair graded towards the contact, and with given nodes.
+TEST(BarMeshes, AnImpactOnUnlikeMeshesIsThatOfLaplacesTransform) {
+  std::vector<double> errors;
+  const PairTruth& truth = pair_truths[1];
+  for (const int elements : {20, 40, 80}) {
+    std::vector<std::string> settings = {"bar.1.grading=2.5", "bar.2.nodes=[0,0.3,0.7,1.1,1.5]", "method.step=1e-4"};
+    for (const char* method : {"rigid", "cvode", "fully_discrete"}) {
+      if (method == std::string_view("cvode")) settings.push_back("method.relative_tolerance=1e-8");
+      const Recording found = record(parse_scene(pair_text(truth.alpha, elements, method), "", settings).run);
+      ASSERT_EQ(found.events.size(), 2U) << method << ' ' << elements;
+      const double error = found.statistics.account->joints.at(0).impulse - truth.impulse;
+      if (method == std::string_view("rigid")) errors.push_back(error);
+      EXPECT_NEAR(error, 0.0, 1e-4) << method << ' ' << elements;
+    }
+  }
+  EXPECT_LT(std::abs(errors[2]), 1e-6);
+  EXPECT_GT(order(errors[1], errors[2]), 3.7) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
+}
 
 TEST(ContactJoint, AnImpactOfUnlikeBarsIsThatOfLaplacesTransform) {
   for (const PairTruth& truth : pair_truths) {

@@ -122,7 +122,7 @@ double difference(const Recording& a, const Recording& b) {
   std::vector<std::pair<std::size_t, std::size_t>> nodes;
   std::size_t i = 0, j = 0;
   for (std::size_t m = 0; m < coarse.members->size(); ++m) {
-    const std::size_t few = (*coarse.members)[m], many = (*fine.members)[m];
+    const std::size_t few = (*coarse.members)[m].elements, many = (*fine.members)[m].elements;
     for (std::size_t k = 0; k <= few; ++k) nodes.emplace_back(i + k, j + (few > 0 ? k * (many / few) : 0));
     i += few, j += many;
     if (m + 1 < coarse.members->size() && coarse.element(i) == 0.0) ++i, ++j;

@@ -47,9 +47,9 @@ struct Case {
   double grading = 1.0;                     ///< of the mesh towards the ends with an obstacle; 1: uniform
   /// Nodes of the mesh in parts of the length, see Mesh::given; null: none.
   std::shared_ptr<const std::vector<double>> nodes;
-  /// Elements of each member of a chain of bars, none of a rigid one, in the ratio of which it shares `elements`; empty
-  /// for one bar.
-  std::vector<std::size_t> bar_elements;
+  /// Mesh of each member of a chain of bars: its elements, none of a rigid one, in the ratio of which it shares
+  /// `elements`, and given nodes, or a grading towards its contacts. Its length is that of the bar. Empty for one bar.
+  std::vector<Mesh> bar_meshes;
   std::optional<Mass> mass;  ///< absent: see resolve()
 
   std::optional<double> epsilon;      ///< reaction = penetration / epsilon; absent: see resolve()
@@ -73,7 +73,7 @@ struct Case {
   OutputFiles files;           ///< that are written
   std::vector<double> gauges;  ///< places in [0, L], each once, that gauges.csv is of
 
-  /// With the given nodes, or graded towards the ends that have an obstacle; of a chain each bar uniform.
+  /// With the given nodes, or graded towards the ends that have an obstacle, or a contact in a chain.
   Mesh mesh() const;
   /// True if no row of the bar differs from the next one.
   bool rows_alike() const { return grading == 1.0 && !nodes && !scene.section && scene.chain.empty(); }

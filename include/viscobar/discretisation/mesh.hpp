@@ -29,9 +29,9 @@ struct Mesh {
   Grading grading{};         ///< none: all elements alike
   /// Given nodes in parts of L, from 0 to 1 and rising; null: none, and then there may be a grading.
   std::shared_ptr<const std::vector<double>> given{};
-  /// Elements of each member of a chain of bars, between which there is one of no length where two members have a node
-  /// each; null: one bar.
-  std::shared_ptr<const std::vector<std::size_t>> members{};
+  /// The mesh of each member of a chain of bars, none of a rigid one. Between two there is an element of no length
+  /// where each has a node of its own. Null: one bar.
+  std::shared_ptr<const std::vector<Mesh>> members{};
 
   /// True if all elements have the same size.
   bool uniform() const { return !given && (grading.ratio == 1.0 || !(grading.left || grading.right)); }

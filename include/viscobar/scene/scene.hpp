@@ -250,6 +250,8 @@ inline bool has_contact_joint(const Scene& scene, auto&& holds) {
 inline bool has_contact_joint(const Scene& scene) {
   return has_contact_joint(scene, [](const std::optional<Stop>&) { return true; });
 }
+/// True if that end of a member of a chain meets an obstacle or another member, itself or by a rigid body on it.
+bool meets_contact(const Scene& scene, std::size_t member, bool right);
 /// True if an end or a joint has a stop with a law of its own.
 inline bool has_stops(const Scene& scene) {
   return scene.left_input.stop || scene.right_input.stop ||

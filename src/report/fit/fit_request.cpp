@@ -175,11 +175,11 @@ PreparedFit prepared_fit(const FitRequest& request,
     kept.emplace_back(std::pair("contact.epsilon", *epsilon));
   kept.emplace_back(std::pair("method.name", std::string(name(scene.run.method))));
   study.model = [read, kept, keys = request.parameters, elements = scene.run.elements,
-                 of_bars = scene.run.bar_elements](std::span<const double> values) {
+                 of_bars = scene.run.bar_meshes](std::span<const double> values) {
     std::vector<Setting> settings = kept;
     for (std::size_t k = 0; k < values.size(); ++k) settings.emplace_back(std::pair(keys[k], values[k]));
     Case run = read(settings).run;
-    run.elements = elements, run.bar_elements = of_bars;
+    run.elements = elements, run.bar_meshes = of_bars;
     return run;
   };
   return prepared;

@@ -153,7 +153,7 @@ std::size_t DataError::unit() const {
   std::size_t step = 1;
   if (chain_) {
     std::size_t divisor = 0, sum = 0;
-    for (const std::size_t count : chain_->bar_elements) divisor = std::gcd(divisor, count), sum += count;
+    for (const Mesh& own : chain_->bar_meshes) divisor = std::gcd(divisor, own.elements), sum += own.elements;
     if (sum / divisor <= most) step = sum / divisor;
   }
   for (std::size_t elements = step; elements <= most; elements += step)

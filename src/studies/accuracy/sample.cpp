@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
-#include <ranges>
 #include <utility>
 
 #include "discretisation/interpolant.hpp"
@@ -39,14 +37,17 @@ void each_place(const Sample& sample, auto&& use) {
 
 std::size_t fewest_in_a_bar(const Case& run) {
   if (run.scene.chain.empty()) return run.elements;
-  const std::vector<std::size_t> members = *run.mesh().members;
-  return std::ranges::min(members | std::views::filter([](std::size_t count) { return count > 0; }));
+  std::size_t fewest = run.elements;
+  for (const Mesh& own : *run.mesh().members)
+    if (own.elements > 0) fewest = std::min(fewest, own.elements);
+  return fewest;
 }
 
 Case on_its_mesh(Case run) {
   if (run.scene.chain.empty()) return run;
-  run.bar_elements = *run.mesh().members;
-  run.elements = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+  run.bar_meshes = *run.mesh().members;
+  run.elements = 0;
+  for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
   return run;
 }
 

@@ -26,7 +26,8 @@ double order_in_theory(const Case& run) {
   const double thrown_back = run.restitution.value_or(is_penalised(run.method) ? 1.0 : 0.0);
   if (run.scene.span && (thrown_back > 0.0 || run.scene.bar.viscosity == 0.0)) return 1.0;
   if (resolve(run).mass != Mass::fourth_order || run.scene.span) return 2.0;
-  return run.nodes ? 3.0 : 4.0;  // docs/sections.md
+  const bool given = run.nodes || std::ranges::any_of(run.bar_meshes, [](const Mesh& own) { return bool(own.given); });
+  return given ? 3.0 : 4.0;  // docs/sections.md
 }
 
 SpaceError space_error(std::span<const MeshStep> ladder, double theory) {

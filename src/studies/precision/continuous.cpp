@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
@@ -119,8 +118,9 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, c
     run.method = MethodName::characteristics;
     run.elements = mesh.elements;
     if (mesh.members) {  // beside elements of the joints
-      run.bar_elements = *mesh.members;
-      run.elements = std::accumulate(run.bar_elements.begin(), run.bar_elements.end(), std::size_t{0});
+      run.bar_meshes = *mesh.members;
+      run.elements = 0;
+      for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
     }
     Statistics done;
     fields.push_back(field_of(run, mesh, patience, &done));
