@@ -230,15 +230,20 @@ void check_chain(const Setup& setup, Findings& findings) {
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
-    const EndInput& input = right ? scene.right_input : scene.left_input;
-    if (input.motion)
-      refuse(true,
-             is_obstacle(end) ? (right ? "right.gap" : "left.gap")
-             : right          ? "right.motion"
-                              : "left.motion",
-             "an end or an obstacle that moves");
-    refuse((right ? scene.chain.back() : scene.chain.front()).rigid() && !std::holds_alternative<Free>(end),
-           right ? "right.kind" : "left.kind", "a fixed end or an obstacle at a rigid body");
+    const std::size_t last = right ? scene.chain.size() - 1 : 0;
+    if (!scene.chain[last].rigid() || std::holds_alternative<Free>(end) || !meets_contact(scene, last, !right))
+      continue;
+    const std::string key = right ? "right.kind" : "left.kind";
+    if (is_fixed(end))
+      findings.report(key,
+                      "holds a rigid body that the next bar meets: leave the body out, and make this end an "
+                      "obstacle of that bar, with the gap of the joint");
+    else if (run.method == MethodName::rigid)
+      findings.report(key,
+                      "is an obstacle for a rigid body alone, which rigid does not take yet; use cvode with a "
+                      "contact.epsilon, or fully_discrete");
+    else if (!run.directions.empty())
+      findings.report("sensitivity.of", "has no derivatives for an obstacle that a rigid body alone meets");
   }
   if (run.method == MethodName::finite_difference)
     findings.report("method.name",
@@ -270,13 +275,9 @@ void check_chain(const Setup& setup, Findings& findings) {
                         *run.restitution);
       continue;
     }
-    if (method != MethodName::fully_discrete && !touches_bar(scene.chain, k))
-      findings.report(joint_key(k + 1, "kind"),
-                      "is between two rigid bodies without a bar, which {} does not take yet; use fully_discrete",
-                      name(method));
     if (method != MethodName::rigid) continue;
     refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
-    if (rigid && touches_bar(scene.chain, k))
+    if (rigid)
       findings.report(joint_key(k + 1, "kind"),
                       "is between two rigid bodies, which rigid does not take yet; use cvode with a contact.epsilon");
   }

@@ -144,7 +144,7 @@ AutomaticMethod automatic_method(const Case& run) {
   for (std::size_t k = 0; k + 1 < scene.chain.size() && meshed == MethodName::rigid; ++k) {
     const bool contact = scene.chain[k].joint.kind == JointKind::contact;
     if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) meshed = MethodName::cvode;
-    if (contact && !touches_bar(scene.chain, k)) meshed = MethodName::fully_discrete;
+    if (contact && !touches_bar(scene.chain, k) && !run.epsilon) meshed = MethodName::fully_discrete;
   }
   if (run.epsilon || has_stops(scene)) {
     if (meshed != MethodName::rigid) return {meshed, ""};

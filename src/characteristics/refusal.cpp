@@ -94,10 +94,17 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
         "method.name",
         "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
         "fully_discrete, or one of the penalised methods"};
-  for (const auto& [input, key] : {std::pair{&scene.left_input, "left.mass"}, {&scene.right_input, "right.mass"}})
-    if (input->mass > 0.0 && input->motion)
-      return Finding{key,
-                     "is not for characteristics where the obstacle before it moves; use rigid, or fully_discrete"};
+  for (const bool right : {false, true}) {
+    const EndInput& input = right ? scene.right_input : scene.left_input;
+    const std::size_t last = right && !scene.chain.empty() ? scene.chain.size() - 1 : 0;
+    const bool of_body = !scene.chain.empty() && scene.chain[last].rigid();
+    if (input.motion && (input.mass > 0.0 || of_body))
+      return Finding{of_body ? fmt::format("bar.{}.mass", last + 1)
+                     : right ? "right.mass"
+                             : "left.mass",
+                     "is not for characteristics where what holds it, or the obstacle before it, moves; use rigid, or "
+                     "fully_discrete"};
+  }
   if (auto why = rate_refusal(scene)) return why;
   for (const auto& [input, condition, key] :
        {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {

@@ -78,8 +78,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
         "mass \"redistributed\" does not fit a span obstacle: every node is a contact node and must keep its mass");
   if (chain_ && (redistributed || mass == Mass::paper))
     throw std::invalid_argument("masses \"redistributed\" and \"paper\" do not fit several bars in line");
-  if (chain_ && (scene.span || inputs_[0].motion || inputs_[1].motion))
-    throw std::invalid_argument("several bars in line do not fit a span obstacle, nor ends and obstacles that move");
+  if (chain_ && scene.span) throw std::invalid_argument("several bars in line do not fit a span obstacle");
   massless_ = {redistributed && is_bare_obstacle(scene.left, scene.left_input),
                redistributed && is_bare_obstacle(scene.right, scene.right_input)};
   if (redistributed && end_obstacles(scene) > 0 && !has_massless())
@@ -230,11 +229,15 @@ std::size_t BarSystem::element_at(std::size_t unknown) const {
   std::size_t nearest = 0;
   for (const Piece& piece : *pieces_) {
     if (piece.rigid()) continue;
-    if (node < piece.first) return nearest == 0 ? piece.first : nearest;
+    if (node < piece.first) break;
     if (node < piece.last()) return node;
-    nearest = piece.last() - 1;
+    nearest = piece.last();
   }
-  return nearest;
+  if (nearest > 0 && nearest == node) return node - 1;
+  if (node < mesh_.elements && inverse_spacing_[node] > 0.0) return node;
+  if (node > 0 && inverse_spacing_[node - 1] > 0.0) return node - 1;
+  if (nearest > 0) return nearest - 1;
+  return std::ranges::find_if(*pieces_, [](const Piece& piece) { return !piece.rigid(); })->first;
 }
 
 // The data at the beginning do not depend on them.

@@ -93,7 +93,6 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                         std::abs(rates.mass) / (bar.density * bar.length);
   }
   take_side(direction, stretched);
-  if (system.bar().is_chain()) take_chain(direction);
   const double least_damping = std::sqrt(bar.density / bar.modulus);  // of lambda; small beside that of a dashpot
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     LawRates rates{0.0, 0.0};
@@ -124,13 +123,14 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     }
     laws_.push_back(rates);
   }
-  if (system.bar().moving()) {
+  if (system.bar().moving() && (chain_ || inertia_ != 0.0)) {
     const BarSystem& of = system.bar();
     std::vector<double> share(of.mesh().nodes()), product(of.mesh().nodes());
     for (const bool right : {false, true}) {
       for (std::size_t j = 0; j < share.size(); ++j)
         share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.node_share(j));
-      of.whole_inertia().multiply(share, product);
+      (chain_ ? chain_->whole : of.whole_inertia()).multiply(share, product);
+      for (double& one : product) one *= chain_ ? 1.0 : inertia_;
       const auto of_unknowns = std::span(product).subspan(of.first_node(), of.size());
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
@@ -188,11 +188,14 @@ double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
 double Derivative::displacement(std::size_t end, std::span<const double> u) const {
   return u[end] + system_.origin_at(end) + lift_[0].of(system_.bar().is_right(end));
 }
+  if (lift_inertia_[0].empty()) return 0.0;
 
-// The stretch of the lift, as stretch() is of u, over the length of the element.
+// The stretch of the lift, as stretch() is of u.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
-  const double strain = (lift.right - lift.left) / system_.bar().whole_stretch();
-  return system_.bar().is_right(end) ? strain : -strain;
+  const BarSystem& bar = system_.bar();
+  const std::size_t element = bar.element_at(end);
+  const double stretched = lift.at(bar.node_share(element + 1)) - lift.at(bar.node_share(element));
+  return bar.is_right(end) ? stretched : -stretched;
 }
 
 // Stress of the lift by the derivatives of the coefficients.
@@ -243,11 +246,15 @@ void Derivative::drive(const Moment& at) {
       chain_->inertia.multiply(at.a, product_);
       subtract();
     }
-    chain_->stiffness.multiply([&](std::size_t i) { return at.u[i] + system_.origin_at(i); }, product_);
-    chain_->stiffness.add_walls(bar.left_displacement().value_or(0.0), bar.right_displacement().value_or(0.0),
-                                product_);
+    const auto& [placed_by, moved_by, accelerated_by] = lift_;
+    const auto share = [&](std::size_t i) { return bar.moving() ? bar.share(i) : 0.0; };
+    chain_->stiffness.multiply([&](std::size_t i) { return at.u[i] + system_.origin_at(i) + placed_by.at(share(i)); },
+                               product_);
+    chain_->stiffness.add_walls(bar.left_displacement().value_or(0.0) + placed_by.left,
+                                bar.right_displacement().value_or(0.0) + placed_by.right, product_);
     subtract();
-    chain_->viscosity.multiply([&](std::size_t i) { return at.w[i]; }, product_);
+    chain_->viscosity.multiply([&](std::size_t i) { return at.w[i] + moved_by.at(share(i)); }, product_);
+    chain_->viscosity.add_walls(moved_by.left, moved_by.right, product_);
     subtract();
   }
   std::array<double, 2> rates{};
@@ -287,8 +294,8 @@ void Derivative::add_frame() {
   const double stress = lift_stress(lift_[0], lift_[1]);
   if (!bar.left_fixed()) added_[0] += stress;
   if (!bar.right_fixed()) added_[n - 1] -= stress;
-  if (inertia_ != 0.0)
-    for (std::size_t i = 0; i < n; ++i) added_[i] -= inertia_ * lift_inertia(i, lift_[2]);
+  if (!lift_inertia_[0].empty())
+    for (std::size_t i = 0; i < n; ++i) added_[i] -= lift_inertia(i, lift_[2]);
 }
 
 void Derivative::add_frame_rate(double t, std::span<double> rate) const {
@@ -314,7 +321,7 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   if (!massive || before >= after) return;
   const Lift early = system_.lift(before, 2), late = system_.lift(after, 2);
   const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
-  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= inertia_ * lift_inertia(i, jerk);
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= lift_inertia(i, jerk);
   for (const Mount& mount : mounts_) rate[mount.unknown] -= mount.mass * jerk.of(bar.is_right(mount.unknown));
 }
 
@@ -393,7 +400,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
                                   : inertia_ * row(bar.inertia(), at.w)) +
                bar.bar().viscosity / bar.rate_stretch_at(end) * stretch(end, s, {}, data_) +
                viscous_of(bar.element_at(end)) * stretch(end, at.u, system_.origin(), bar);
-  if (bar.moving()) sum += inertia_ * lift_inertia(end, lift_[1]) + viscosity_ * lift_stretch(end, lift_[0]);
+  if (bar.moving()) sum += lift_inertia(end, lift_[1]) + viscous_of(bar.element_at(end)) * lift_stretch(end, lift_[0]);
   for (const Mount& mount : bar.mounts())
     if (mount.unknown == end) sum += mount.dashpot * s[end];
   if (const SideRows* own = bar.side()) {
@@ -424,7 +431,8 @@ double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<co
   const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, system_.origin(), bar), s[end],
                                  stretch(end, s, {}, data_));
   return sum + side_row(end, placed(at.u), data_.displacement_at_nodes(s)) +
-         (bar.moving() ? modulus_ * lift_stretch(end, lift_[0]) : 0.0) - (motion_.load(end, at.t) - added_[end]);
+         (bar.moving() ? elastic_of(bar.element_at(end)) * lift_stretch(end, lift_[0]) : 0.0) -
+         (motion_.load(end, at.t) - added_[end]);
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {
@@ -443,7 +451,8 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   const SymmetricTridiagonal& inertia = whole ? bar.whole_inertia() : bar.inertia();
   const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
   const double *v = w.data() + first, *of_v = of_w.data() + first;
-  double sum = 0.5 * (chain_ ? chain_->inertia.quadratic_form({v, n}) : inertia_ * inertia.quadratic_form({v, n}));
+  double sum = 0.5 * (chain_ ? (whole ? chain_->whole : chain_->inertia).quadratic_form({v, n})
+                             : inertia_ * inertia.quadratic_form({v, n}));
   for (std::size_t i = 0; i < n; ++i) sum += inertia.diagonal[i] * v[i] * of_v[i];
   for (std::size_t i = 0; i + 1 < n && !inertia.off_diagonal.empty(); ++i)
     sum += inertia.off_diagonal[i] * (v[i] * of_v[i + 1] + v[i + 1] * of_v[i]);

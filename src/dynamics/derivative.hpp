@@ -107,6 +107,7 @@ class Derivative {
     std::vector<double> elastic, viscous;       ///< of each element
     UnitStiffness stiffness, viscosity;         ///< of those
   };
+    SymmetricTridiagonal whole;                 ///< that of inertia with fixed ends, where the frame moves
 
   /// `system` outlives it.
   Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction);

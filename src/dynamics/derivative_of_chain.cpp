@@ -49,7 +49,8 @@ void Derivative::take_chain(const Direction& direction) {
                       std::move(elastic),
                       std::move(viscous),
                       stiffness,
-                      viscosity};
+                      viscosity,
+                      bar.moving() ? inertia : SymmetricTridiagonal{}};
   product_.resize(bar.size());
   find_start(direction, pieces);
 }

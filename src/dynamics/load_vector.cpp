@@ -157,8 +157,8 @@ Lift LoadVector::lift(double t, int derivative) const {
   return step_ > 0.0 && t >= step_ ? system_.lift(t, derivative, step_) : system_.lift(t, derivative);
 }
 
-// The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear, and what
-// that does to the mounts.
+// The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear in one
+// bar, and what that does to the mounts.
 std::array<double, 2> LoadVector::end_forces(double t) const {
   std::array<double, 2> forces{};
   for (const bool right : {false, true})
@@ -170,7 +170,9 @@ std::array<double, 2> LoadVector::end_forces(double t) const {
   const Lift at = lift(t, 0), rate = lift(t, 1);
   const Bar& bar = system_.bar();
   const double pull =
-      (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
+      system_.is_chain()
+          ? 0.0
+          : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
   std::array<double, 2> of_lift = {pull, -pull};
   for (const Mount& mount : system_.mounts()) {
     const bool right = system_.is_right(mount.unknown);
@@ -186,10 +188,9 @@ void LoadVector::add_inputs(double t) {
     const auto& [left, right] = system_.lift_inertia_;
     for (std::size_t i = 0; i < weighted_.size(); ++i)
       weighted_[i] -= acceleration.left * left[i] + acceleration.right * right[i];
-    if (system_.side_) {
+    if (system_.has_lift_force()) {
       const Lift displacement = lift(t, 0), velocity = lift(t, 1);
-      for (std::size_t i = 0; i < weighted_.size(); ++i)
-        weighted_[i] += system_.side_lift_force(displacement, velocity, i);
+      for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] += system_.lift_force(displacement, velocity, i);
     }
   }
   if (!system_.left_fixed()) weighted_.front() += forces[0];
@@ -207,7 +208,7 @@ double LoadVector::at(double t, std::size_t unknown) const {
     sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
   }
   if (!system_.moving()) return sum;
-  if (system_.side_) sum += system_.side_lift_force(lift(t, 0), lift(t, 1), unknown);
+  if (system_.has_lift_force()) sum += system_.lift_force(lift(t, 0), lift(t, 1), unknown);
   const Lift acceleration = lift(t, 2);
   return sum - (acceleration.left * system_.lift_inertia_[0][unknown] +
                 acceleration.right * system_.lift_inertia_[1][unknown]);

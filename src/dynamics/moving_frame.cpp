@@ -60,9 +60,20 @@ void BarSystem::enter_frame() {
     whole_inertia_.multiply(share, product);
     const auto of_unknowns = std::span(product).subspan(first_node(), size());
     lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
-    if (!side_) continue;
-    auto& [of_stiffness, of_drag] = lift_side_;
+    if (!has_lift_force()) continue;
+    auto& [of_stiffness, of_drag] = lift_rows_;
     of_stiffness[right].assign(size(), 0.0), of_drag[right].assign(size(), 0.0);
+    for (std::size_t e = 0; chain_ && e < mesh_.elements; ++e) {
+      const double stretched = share[e + 1] - share[e];
+      const std::size_t i = e - first_node();  // beyond all of a fixed end
+      const auto pull = [&](std::vector<double>& row, double force) {
+        if (i < size()) row[i] += force;
+        if (i + 1 < size()) row[i + 1] -= force;
+      };
+      pull(of_stiffness[right], bar_.modulus * inverse_spacing_[e] * stretched);
+      if (damped()) pull(of_drag[right], bar_.viscosity * rate_weights()[e] * stretched);
+    }
+    if (!side_) continue;
     side_->subtract([&](std::size_t j) { return side_->stiffness(j) * share[j]; }, first_node(), size(),
                     of_stiffness[right]);
     side_->subtract([&](std::size_t j) { return side_->drag(j) * share[j]; }, first_node(), size(), of_drag[right]);
@@ -74,8 +85,8 @@ void BarSystem::take_side(const BarSystem& of) {
   if (moving()) enter_frame();
 }
 
-double BarSystem::side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const {
-  const auto& [of_stiffness, of_drag] = lift_side_;
+double BarSystem::lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const {
+  const auto& [of_stiffness, of_drag] = lift_rows_;
   return lift.left * of_stiffness[0][unknown] + lift.right * of_stiffness[1][unknown] +
          rate.left * of_drag[0][unknown] + rate.right * of_drag[1][unknown];
 }
@@ -193,8 +204,8 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
   return nodal_energy(displacement, velocity);
 }
 
-double BarSystem::lift_loss(const Lift& rate, double left, double right) const {
-  const double strain_rate = (rate.right - rate.left) / whole_stretch();
+double BarSystem::end_lift_loss(const Lift& rate, double left, double right) const {
+  const double strain_rate = chain_ ? 0.0 : (rate.right - rate.left) / whole_stretch();
   double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * whole_stretch());
   for (const Mount& mount : mounts_) {
     const bool at_right = is_right(mount.unknown);

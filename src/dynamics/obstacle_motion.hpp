@@ -31,7 +31,7 @@ inline std::vector<std::size_t> left_by_jump(const PenalisedSystem& system, cons
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < system.contact_count(); ++i) {
     const Contact& contact = system.contact(i);
-    const double towards = contact.sign * jump.displacement.at(system.bar().share(contact.unknown));
+    const double towards = contact.sign * system.bar().lift_at(contact, jump.displacement);
     const double clear = system.clearance(i, u);
     if (towards == 0.0 || (clear >= -system.clearance_rounding(i, largest) && !system.closed(i))) continue;
     if (towards > 0.0) throw LoadError(t, into_the_bar(contact, t));

@@ -25,9 +25,15 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
   for (const Contact& contact : bar.contacts()) {
     if (rigid_ && contact.where == Where::span)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
-    if (const std::size_t right = contact.unknown + bar.first_node();
-        contact.joint > 0 && !bar.is_element_of_bar(right) && (right < 2 || !bar.is_element_of_bar(right - 2)))
-      throw std::invalid_argument("a contact between two rigid bodies without a bar has no row that tells its force");
+    const std::size_t right = contact.unknown + bar.first_node();
+    by_law_.push_back(contact.joint > 0
+                          ? !bar.is_element_of_bar(right) && (right < 2 || !bar.is_element_of_bar(right - 2))
+                          : std::ranges::any_of(bar.contacts(), [&](const Contact& other) {
+                              return other.joint > 0 &&
+                                     (other.unknown == contact.unknown || other.unknown == contact.unknown + 1);
+                            }));
+    if (rigid_ && by_law_.back())
+      throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
     if (rigid_ && size() < 2)
       throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
     if (const auto& stop = bar.stop(contact)) {
@@ -189,6 +195,7 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
 
 PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
   const std::size_t b = contact(i).unknown, right = b + bar_.first_node();
+  if (by_law(i)) return {b, b - 1, b, 1.0, 0.0, 0.0, {}};
   const bool to_right = bar_.is_element_of_bar(right);
   JointRow row{b, b + 1, std::min(b + 2, size() - 1), 1.0, 0.0, 0.0, {}};
   if (!to_right) row = {b - 1, b - 2, b < 3 ? 0 : b - 3, -1.0, 0.0, 0.0, {}};
@@ -255,7 +262,8 @@ bool PenalisedSystem::relaxes(std::size_t i) const {
 
 bool PenalisedSystem::has_come_to_rest(std::size_t i, double time) const {
   const PenaltyLaw& law = laws_[i];
-  return relative_stiffness(i) > stiff && rates_[i] * rates_[i] * law.damping * time > 80.0 * law.stiffness;
+  return !by_law(i) && relative_stiffness(i) > stiff &&
+         rates_[i] * rates_[i] * law.damping * time > 80.0 * law.stiffness;
 }
 
 double PenalisedSystem::penetration_share(std::size_t i) const {
@@ -359,6 +367,19 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   const double left = contact(i).of(w), dissipated = 0.5 * mass * (speed - left) * (speed + left);
   return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
           mass * (left + sign * speed), height};
+}
+
+void PenalisedSystem::tie_joints(std::span<double> w) const {
+  SymmetricTridiagonal inertia = bar_.inertia();
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    if (contact(i).joint > 0 && closed(i) && collides(i)) inertia.tie(contact(i).unknown - 1);
+  if (inertia.ties.empty()) return;
+  std::vector<double> momentum(size());
+  bar_.inertia().multiply(w, momentum);
+  TridiagonalFactor factor;
+  factor.factorise(inertia);
+  factor.solve(momentum);
+  std::ranges::copy(momentum, w.begin());
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {

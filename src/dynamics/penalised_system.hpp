@@ -131,7 +131,12 @@ class PenalisedSystem {
   /// True if a step of that length passes over the spring of contact i, omega times it > 10: formulas of order five
   /// accept one only where the oscillation is below their tolerance.
   /// Two nodes at a joint are not: the motion of both is what steps resolve.
-  bool is_passed_over(std::size_t i, double length) const { return rates_[i] * length > 10.0 && contact(i).joint == 0; }
+  bool is_passed_over(std::size_t i, double length) const {
+    return rates_[i] * length > 10.0 && contact(i).joint == 0 && !by_law(i);
+  }
+  /// True if no row of a bar tells the force of contact i, but its law alone: of a rigid body alone beside another
+  /// contact.
+  bool by_law(std::size_t i) const { return by_law_[i] != 0; }
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
   bool has_come_to_rest(std::size_t i, double time) const;
@@ -286,6 +291,7 @@ class PenalisedSystem {
     double stiffness, viscosity;     ///< k, c
     std::array<double, 3> inertia;
   };
+  /// Where contact i is by_law() it has b and a for nodes, and zeros.
   JointRow joint_row(std::size_t i) const;
 
   /// Energy of the springs of closed contacts.
@@ -336,9 +342,15 @@ class PenalisedSystem {
   /// Energy stored in contact i, a stop, while it is closed.
   double stop_energy(std::size_t i, std::span<const double> u) const { return stop(i)->energy(-clearance(i, u)); }
   bool has_stops() const { return !stops_.empty(); }  ///< with a law of their own
+  /// Gives both nodes of each rigid contact of a joint that is closed one velocity again, after a kink of the frame,
+  /// which changes those of the nodes near an end; momentum is kept.
+  void tie_joints(std::span<double> w) const;
   /// Contribution of a frame that moves (see BarSystem::lift_loss).
   double frame_loss(double t, std::span<const double> w) const {
-    return bar_.moving() ? bar_.lift_loss(bar_.lift(t, 1), w) : 0.0;
+    if (!bar_.moving()) return 0.0;
+    const Lift rate = bar_.lift(t, 1);
+    const double sum = bar_.lift_loss(rate, bar_.at_nodes(w));
+    return bar_.side() ? sum + bar_.side_lift_loss(rate, bar_.at_nodes(w)) : sum;
   }
   /// w.M f(t)
   double load_power(double t, std::span<const double> w);
@@ -396,7 +408,7 @@ class PenalisedSystem {
   std::vector<PenaltyLaw> laws_;
   std::vector<OwnStop> stops_, bent_;  // the latter those of them that are not linear
   std::vector<double> rates_;          // omega of each contact
-  std::vector<unsigned char> closed_, measured_, holds_;
+  std::vector<unsigned char> closed_, measured_, holds_, by_law_;
   std::vector<double> acceleration_;                     // scratch
   std::array<double, 2> lacking_{};                      // -F at the ends, where that is the force that accelerates
   std::vector<double> origin_, origin_force_, offsets_;  // the force -E K origin; clearance minus u of each contact

@@ -116,6 +116,11 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
     if (!system_.closed(joint.contact)) continue;
     const auto& [row, at] = std::tie(joint.row, joint.positions);
     double stretch = y[at[0]] - y[at[1]];
+    if (system_.by_law(joint.contact)) {
+      joint.rate[j] =
+          system_.contact_force(joint.contact, stretch + system_.contact(joint.contact).gap, y[at[2]] - y[at[3]]);
+      continue;
+    }
     if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
     joint.momentum[j] =
         row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] + row.viscosity * stretch;
@@ -386,7 +391,7 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown && system_.contact(i).joint == 0) end.contacts.push_back(i);
   end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {
-                 return system_.relative_stiffness(i) < 1.0 && !system_.bent(i);
+                 return system_.by_law(i) || (system_.relative_stiffness(i) < 1.0 && !system_.bent(i));
                });
   if (end.follows)
     end.entries = {*end.next};

@@ -59,6 +59,7 @@ class SpanForce {
 ///
 ///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node,
 ///
+/// or by its law, where no bar is there,
 /// and the account of it: int N dt, and max N of the polynomial of each step.
 class JointForces {
  public:

@@ -282,9 +282,10 @@ std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, st
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
-  const double share = bar.share(system_.contact(i).unknown), acceleration = bar.lift(t, 2).at(share);
+  const Contact& contact = system_.contact(i);
+  const double acceleration = bar.lift_at(contact, bar.lift(t, 2));
   for (std::size_t k = 0; k < changes.size(); ++k)
-    changes[k].velocity += acceleration * changes[k].time + pointers_[k]->motion().lift(t, 1).at(share);
+    changes[k].velocity += acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().lift(t, 1));
 }
 
 // The impulse of what moves the frame is none of an obstacle.

@@ -356,11 +356,12 @@ class StepwisePart {
     if (!jump) return;
     const double before = layout_.work ? system_.energy(u(), w()) : 0.0;
     system_.bar().pass_kink(*jump, u(), w());
+    system_.tie_joints(w());
     if (jump->displaces()) leave_obstacles(t, *jump);
     if (layout_.work) y_[*layout_.work] += system_.energy(u(), w()) - before;
     for (std::size_t i = 0; i < system_.contact_count(); ++i) {
       const std::size_t node = system_.contact(i).unknown;
-      if (!system_.collides(i) || !system_.closed(i)) continue;
+      if (!system_.collides(i) || !system_.closed(i) || system_.contact(i).joint > 0) continue;
       // A kink of the other end's motion leaves a rounding.
       if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
@@ -517,7 +518,7 @@ class StepwisePart {
   // The velocity of the frame at a contact is that of its obstacle.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
-    return bar.moving() ? bar.lift(t, 1).at(bar.share(system_.contact(i).unknown)) : 0.0;
+    return bar.moving() ? bar.lift_at(system_.contact(i), bar.lift(t, 1)) : 0.0;
   }
 
   // A closing that is not told yet, and when its node struck last.

@@ -429,7 +429,7 @@ class Run {
   void tell(double t, std::size_t k, Change change, double velocity) {
     if (t > times_.back()) return;
     const Contact& contact = step_->contacts()[k];
-    if (system_.moving()) velocity += system_.lift(t, 1).at(system_.share(contact.unknown));
+    if (system_.moving()) velocity += system_.lift_at(contact, system_.lift(t, 1));
     const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system_.first_node();
     Event event{t, contact.where, node, change, velocity};
     count_change(statistics_, event);
@@ -452,8 +452,7 @@ class Run {
     if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
     if (system_.has_dashpots()) energy.dissipated += dt * step_->dashpot_power();
     if (system_.moving()) {
-      const auto v = [&](bool right) { return system_.wall(right) ? 0.0 : step_->mean_velocity(system_.end(right)); };
-      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), v(false), v(true));
+      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), step_->velocity_at_nodes());
       energy.dissipated += loss;
       energy.work += loss;
       const auto acceleration = [&order = step_->order(), a = step_->acceleration(),

@@ -78,7 +78,6 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   says(pair, "bar.2.grading: has no end with an obstacle or a contact",
        {"joint.1.kind=bonded", "joint.1.gap=", "bar.2.velocity=1", "bar.2.grading=3"});
   says(pair, "span.gap", {"span.gap=2"});
-  says(pair, "left.gap: an end or an obstacle that moves", {"left.kind=obstacle", "left.gap=0.1+t"});
   says(pair, "\"hertz\" is no law for exponential",
        {"joint.1.law=hertz", "joint.1.stiffness=3", "method.name=exponential"});
   says(pair, "joint.1.gap", {"bar.2.displacement=-0.1"});

@@ -112,7 +112,7 @@ struct Mount {
 /// the masses of the ends in it.
 ///
 /// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
-/// displacement is u + lift(t), linear in x, so that fixed ends stand still, and
+/// displacement is u + lift(t), linear in x, across joints too, so that fixed ends stand still, and
 ///
 ///     - rho M lift'' - E K lift - eta K lift' - sum over the ends of (k_e lift + c_e lift') e_e
 ///
@@ -148,7 +148,8 @@ class BarSystem {
   double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
   /// True if it is no joint's, and within the mesh.
   bool is_element_of_bar(std::size_t element) const;
-  /// The element to the right of an unknown's node, at the last node of a bar the one to its left.
+  /// The element to the right of an unknown's node, at the last node of a bar the one to its left; of a rigid body
+  /// alone the spring beside it, or the nearest one of a bar.
   std::size_t element_at(std::size_t unknown) const;
   double stretch_at(std::size_t unknown) const { return stretch(element_at(unknown)); }            ///< of that
   double rate_stretch_at(std::size_t unknown) const { return rate_stretch(element_at(unknown)); }  ///< of that
@@ -230,7 +231,12 @@ class BarSystem {
   void pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const;
   /// gap(t) after less before a time at which it jumps; else 0.
   double gap_jump(const Contact& contact, double t, double end) const;
-  /// x / L of a node or an unknown, for Lift::at(); of a section that varies the share of int dx / A.
+  /// A displacement of the frame, or its rate, against which a contact is measured: none at a joint, where it is the
+  /// same on both sides.
+  double lift_at(const Contact& contact, const Lift& lift) const {
+    return contact.joint > 0 ? 0.0 : lift.at(share(contact.unknown));
+  }
+  /// x / L of a node or an unknown, for Lift::at(); of one bar whose section varies the share of int dx / A.
   double node_share(std::size_t j) const {
     return places_.empty() ? mesh_.node(j) / mesh_.length : places_[j] / places_.back();
   }
@@ -243,13 +249,15 @@ class BarSystem {
   /// Energy of u + lift and w + its rate.
   BarEnergy lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
                           std::span<const double> w) const;
-  /// Contribution of the frame's velocity to the power that viscosity and mounts take at the velocities `left` and
-  /// `right` of the ends in it, 0 of a fixed one.
-  double lift_loss(const Lift& rate, double left, double right) const;
-  /// The same of a field.
-  double lift_loss(const Lift& rate, std::span<const double> w) const {
-    const double sum = lift_loss(rate, left_fixed() ? 0.0 : w.front(), right_fixed() ? 0.0 : w.back());
-    return side_ ? sum + side_lift_loss(rate, at_nodes(w)) : sum;
+  /// Contribution of the frame's velocity to the power that viscosity and mounts take at velocities w(j) of all nodes
+  /// in it. O(1) of one bar, which asks for the ends alone.
+  double lift_loss(const Lift& rate, auto&& w) const {
+    double sum = end_lift_loss(rate, w(std::size_t{0}), w(mesh_.elements));
+    for (std::size_t e = 0; chain_ && damped() && e < mesh_.elements; ++e) {
+      const double frame = rate.at(node_share(e + 1)) - rate.at(node_share(e));
+      sum += bar_.viscosity * rate_weights()[e] * frame * (2.0 * (w(e + 1) - w(e)) + frame);
+    }
+    return sum;
   }
   /// The power of drag along the bar at velocities w(j) of all nodes.
   double side_lift_loss(const Lift& rate, auto&& w) const {
@@ -397,8 +405,11 @@ class BarSystem {
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
   void take_forces();
   void enter_frame();
-  // Force of the side on an unknown, by the frame's motion.
-  double side_lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
+  // Force on an unknown by the frame's motion, where it is not in the rows of the ends alone: of a side, and of a
+  // chain.
+  double lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const;
+  bool has_lift_force() const { return side_ || chain_; }
+  double end_lift_loss(const Lift& rate, double left, double right) const;
   void add_masses();
   const std::vector<double>& rate_weights() const { return inverse_rate_.empty() ? inverse_spacing_ : inverse_rate_; }
   enum class Moments { of_load, of_velocity, of_side };
@@ -447,7 +458,8 @@ class BarSystem {
   SymmetricTridiagonal whole_inertia_;               // of all nodes, where something moves an end
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
   std::optional<SideRows> side_;
-  std::array<std::array<std::vector<double>, 2>, 2> lift_side_;  // -M k and -M c times those, where both are there
+  // -(M k + E K) and -(M c + eta K) times those without rho M, K of a chain, where has_lift_force().
+  std::array<std::array<std::vector<double>, 2>, 2> lift_rows_;
 };
 
 /// M f(t) of a system, its forces on the ends and the frame's part included, with the buffers that its evaluation

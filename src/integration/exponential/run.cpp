@@ -388,7 +388,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
-  if (system_.moving()) velocity += system_.lift(t_, 1).at(system_.share(penalised_.contact(c).unknown));
+  if (system_.moving()) velocity += system_.lift_at(penalised_.contact(c), system_.lift(t_, 1));
   telling_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
                  velocity);
 }

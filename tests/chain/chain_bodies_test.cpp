@@ -1,0 +1,149 @@
+// Rigid bodies that meet each other, or what is at an end of a chain, against momentum and energy.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar {
+namespace {
+
+Recording run_of(const std::string& text, const std::vector<std::string>& settings = {}) {
+  return record(parse_scene(text, "", settings).run);
+}
+
+double largest_difference(std::span<const double> a, std::span<const double> b) {
+  double most = a.size() == b.size() ? 0.0 : 1e300;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+std::string method_text(const std::string& method, double restitution) {
+  return fmt::format(
+      "[time]\nend = 0.8\n[output]\nevery = 0.05\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\nstep = 1e-4\nimpact = "
+      "\"moreau\"\n[contact]\nepsilon = 1e-6\nrestitution = {}\n",
+      method, restitution);
+}
+
+const std::string far_bar = "[[bar]]\nlength = 1.0\nelements = 4\nviscosity = 0.1\nvelocity = 0.0\n";
+
+// A ram of mass 2 and speed 1 leaves the wall with speed e: impulse 2 (1 + e), energy lost 1 - e^2. A penalty of 1e-6
+// is passed in pi (2e-6)^(1/2) = 4.5e-3.
+TEST(RigidBodies, ARamLeavesAWallWithItsRestitution) {
+  for (const double e : {0.0, 0.5})
+    for (const char* method :
+         {"cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete", "characteristics"}) {
+      if (std::string_view(method) == "characteristics" && e > 0.0) continue;
+      const std::string what = fmt::format("{} {}", method, e);
+      const Recording found =
+          run_of("[[bar]]\nmass = 2.0\nvelocity = -1.0\n" + far_bar +
+                     "[[joint]]\nkind = \"contact\"\ngap = 0.5\n[left]\nkind = "
+                     "\"obstacle\"\ngap = 0.1\n" +
+                     method_text(method, e),
+                 std::string_view(method) == "characteristics" ? std::vector<std::string>{"bar.2.viscosity=0"}
+                                                               : std::vector<std::string>{});
+      ASSERT_GE(found.events.size(), 1U) << what;
+      EXPECT_NEAR(found.events[0].time, 0.1, 2e-4) << what;
+      EXPECT_NEAR(found.events[0].velocity, -1.0, 1e-6) << what;
+      EXPECT_EQ(found.events[0].where, Where::left) << what;
+      const std::size_t nodes = found.mesh.nodes();
+      EXPECT_NEAR(found.v[(found.times.size() - 1) * nodes], e, 3e-3) << what;
+      EXPECT_NEAR(found.statistics.account->left.impulse, 2.0 * (1.0 + e), 1e-2) << what;
+      EXPECT_NEAR(found.statistics.energy->dissipated, 1.0 - e * e, 1e-2) << what;
+      EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-4) << what;
+    }
+}
+
+// v1 = (m1 - e m2) / (m1 + m2), v2 = (1 + e) m1 / (m1 + m2), impulse m2 v2.
+TEST(RigidBodies, TwoThatMeetKeepTheirMomentum) {
+  for (const double e : {0.0, 0.5})
+    for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
+      const std::string what = fmt::format("{} {}", method, e);
+      const Recording found =
+          run_of("[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nmass = 1.0\nvelocity = 0.0\n" + far_bar +
+                 "[[joint]]\nkind = \"contact\"\ngap = 0.1\n[[joint]]\nkind = \"contact\"\ngap = 5.0\n" +
+                 method_text(method, e));
+      ASSERT_GE(found.events.size(), 1U) << what;
+      EXPECT_NEAR(found.events[0].time, 0.1, 2e-4) << what;
+      const double* last = &found.v[(found.times.size() - 1) * found.mesh.nodes()];
+      EXPECT_NEAR(last[0], (2.0 - e) / 3.0, 2e-3) << what;
+      EXPECT_NEAR(last[1], (1.0 + e) * 2.0 / 3.0, 2e-3) << what;
+      EXPECT_NEAR(2.0 * last[0] + last[1], 2.0, 1e-7) << what;
+      EXPECT_NEAR(found.statistics.account->joints.at(0).impulse, (1.0 + e) * 2.0 / 3.0, 5e-3) << what;
+      EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-4) << what;
+    }
+}
+
+// Hertz: 1/2 m V^2 = 2/5 k d^(5/2), m = m1 m2 / (m1 + m2) = 2/3, and nothing is lost.
+TEST(RigidBodies, TwoOfHertzHaveHisPeakForce) {
+  for (const char* method : {"cvode", "ida", "arkode"}) {
+    const Recording found = run_of(
+        "[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nmass = 1.0\nvelocity = 0.0\n" + far_bar +
+        "[[joint]]\nkind = \"contact\"\ngap = 0.1\nlaw = \"hertz\"\nstiffness = 1e4\n[[joint]]\nkind = \"contact\"\ngap = 5.0\n" +
+        method_text(method, 0.0));
+    const double depth = std::pow(1.25 * (2.0 / 3.0) / 1e4, 0.4);
+    EXPECT_NEAR(found.statistics.account->joints.at(0).peak_reaction / (1e4 * std::pow(depth, 1.5)), 1.0, 1e-4)
+        << method;
+    const double* last = &found.v[(found.times.size() - 1) * found.mesh.nodes()];
+    EXPECT_NEAR(last[0], 1.0 / 3.0, 1e-6) << method;
+    EXPECT_NEAR(last[1], 4.0 / 3.0, 1e-6) << method;
+  }
+}
+
+// A body bonded to the end is a mass on it; what holds it, holds the bar.
+TEST(RigidBodies, OneBondedToTheEndIsAMassOnIt) {
+  const std::string of_bar = "length = 1.0\nviscosity = 0.1\n", start = "[initial]\nvelocity = -1.0\n";
+  for (const char* left : {"[left]\nkind = \"obstacle\"\ngap = 0.1\nstiffness = 0.7\n",
+                           "[left]\nkind = \"fixed\"\nmotion = \"0.1*sin(3*t)\"\n",
+                           "[left]\nkind = \"obstacle\"\ngap = \"0.1-0.2*t\"\ndashpot = 0.3\n"})
+    for (const char* method : {"rigid", "cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
+      const bool fixed = std::string(left).find("fixed") != std::string::npos;
+      const std::vector<std::string> settings = {"mesh.mass=consistent", "contact.epsilon=1e-3"};
+      const std::string rest = start + method_text(method, 0.5);
+      const Recording chain = run_of("[[bar]]\nmass = 2.0\n[[bar]]\nelements = 8\n" + of_bar + left + rest, settings);
+      const Recording one =
+          run_of("[bar]\n" + of_bar + left + (fixed ? "" : "mass = 2.0\n") + "[mesh]\nelements = 8\n" + rest, settings);
+      ASSERT_EQ(chain.events.size(), one.events.size()) << method << left;
+      EXPECT_LT(largest_difference(chain.u, one.u), 1e-6) << method << left;
+      EXPECT_NEAR(chain.statistics.account->left.impulse, one.statistics.account->left.impulse, 1e-5) << method << left;
+    }
+}
+
+// A ram that a spring holds to a bar strikes the wall: as a wall, a penalty of 1e-7 and the scheme have it.
+TEST(RigidBodies, ARamOnASpringMeetsAWallByAllMethodsAlike) {
+  const std::string text =
+      "[[bar]]\nmass = 0.5\nvelocity = -1.0\n[[bar]]\nlength = 1.0\nelements = 8\nviscosity = 0.1\nvelocity = -1.0\n"
+      "[[joint]]\nkind = \"spring\"\nstiffness = 3.0\ndamping = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n";
+  const std::vector<std::string> settings = {"contact.epsilon=1e-7", "mesh.mass=consistent", "time.end=3"};
+  const Recording truth = run_of(text + method_text("rigid", 0.0), settings);
+  ASSERT_EQ(truth.events.size(), 2U);
+  for (const char* method : {"cvode", "arkode", "ida", "fully_discrete"}) {
+    const Recording found = run_of(text + method_text(method, 0.0), settings);
+    EXPECT_LT(largest_difference(found.u, truth.u), 1e-3) << method;
+    EXPECT_NEAR(found.statistics.account->left.impulse, truth.statistics.account->left.impulse, 5e-3) << method;
+    EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-4) << method;
+  }
+}
+
+TEST(RigidBodies, WhatIsNotTakenIsSaid) {
+  const auto complaint = [](const std::string& text, const std::string& left, const char* method) -> std::string {
+    try {
+      (void)parse_scene(text + left + method_text(method, 0.0), "");
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string ram =
+      "[[bar]]\nmass = 2.0\nvelocity = -1.0\n" + far_bar + "[[joint]]\nkind = \"contact\"\ngap = 0.5\n";
+  EXPECT_NE(complaint(ram, "[left]\nkind = \"fixed\"\n", "cvode").find("leave the body out"), std::string::npos);
+  EXPECT_NE(complaint(ram, "[left]\nkind = \"obstacle\"\ngap = 0.1\n", "rigid").find("use cvode"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace viscobar
