@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <tuple>
@@ -112,6 +115,49 @@ double* number_of(Case& run, std::string_view key) {
   return &*run.restitution;
 }
 
+namespace {
+
+// The scenes that change(scene, -apart) and change(scene, apart) make of that. @throws std::invalid_argument where a
+// wall that moves from the start on has a share in the velocities of the start
+Direction::Beside beside(const Case& run, double apart, const std::function<void(Scene&, double)>& change) {
+  for (const auto& [end, input] :
+       {std::pair{&run.scene.left, &run.scene.left_input}, {&run.scene.right, &run.scene.right_input}})
+    if (is_fixed(*end) && input->motion && input->motion->velocity(0.0) != 0.0)
+      throw std::invalid_argument(
+          "no sensitivity with respect to a section, or to a length under a load, where a fixed end moves from the start "
+          "on; take fit without derivatives");
+  std::array<Case, 2> both{run, run};
+  for (const bool after : {false, true}) {
+    both[after].scene.left_input.motion.reset(), both[after].scene.right_input.motion.reset();
+    change(both[after].scene, after ? apart : -apart);
+  }
+  return {both[0].scene, both[1].scene, both[0].mesh(), both[1].mesh(), apart};
+}
+
+// Its errors are some 1e-10 of a derivative, by its square and by rounding.
+constexpr double share_of_difference = 1e-5;
+
+}  // namespace
+
+void vary_sections(Direction& along, const Case& run, const std::vector<SpaceFunction>& rates) {
+  const auto section_of = [](auto& scene, std::size_t m) -> auto& {
+    return scene.chain.empty() ? scene.section : scene.chain[m].section;
+  };
+  double fastest = 0.0;
+  for (std::size_t m = 0; m < rates.size(); ++m) {
+    const double length = run.scene.chain.empty() ? run.scene.bar.length : run.scene.chain[m].bar.length;
+    for (int k = 0; k <= 200 && rates[m]; ++k)
+      fastest =
+          std::max(fastest, std::abs(rates[m](length * k / 200.0) / section_of(run.scene, m)(length * k / 200.0)));
+  }
+  if (fastest == 0.0) return;
+  along.beside = beside(run, share_of_difference / fastest, [&](Scene& scene, double by) {
+    for (std::size_t m = 0; m < rates.size(); ++m)
+      if (SpaceFunction& section = section_of(scene, m); rates[m])
+        section = [of = section, rate = rates[m], by](double x) { return of(x) + by * rate(x); };
+  });
+}
+
 Direction direction(const Case& run, std::string_view key) {
   const Scene& scene = run.scene;
   Direction along;
@@ -199,9 +245,25 @@ Direction direction(const Case& run, std::string_view key) {
   *place = 1.0;
   const auto of_chain = member_key("bar", key);
   if (of_chain && of_chain->second == "length") {
-    if (scene.side || scene.load)
-      refuse("load and side are of x along all bars, which does not go with one of them; take fit without derivatives");
-    const Member& member = scene.chain[of_chain->first - 1];
+    if (scene.side)
+      refuse("side is of x along all bars, which does not go with one of them; take fit without derivatives");
+    const std::size_t m = of_chain->first - 1;
+    const Member& member = scene.chain[m];
+    const double length = member.bar.length;
+    if (scene.load) {
+      *place = 0.0;
+      along.beside = beside(run, share_of_difference * length, [&](Scene& longer, double by) {
+        Member& own = longer.chain[m];
+        own.bar.length += by;
+        for (SpaceFunction* f : {&own.displacement, &own.velocity})
+          *f = [of = *f, share = length / own.bar.length](double x) { return of(x * share); };
+        longer.bar = whole_of(longer.chain);
+      });
+    } else if (member.section) {
+      std::vector<SpaceFunction> rates(scene.chain.size());
+      rates[m] = carried(member.section, length);
+      vary_sections(along, run, rates);
+    }
     Member& rate = data.chain[of_chain->first - 1];
     rate.displacement = carried(member.displacement, member.bar.length);
     rate.velocity = carried(member.velocity, member.bar.length);
@@ -209,6 +271,8 @@ Direction direction(const Case& run, std::string_view key) {
     data.velocity = viscobar::along(data.chain, &Member::velocity);
   }
   if (key == "bar.length") {
+    if (scene.section && scene.side) refuse("the section depends on it, along which [side] resists");
+    if (scene.section) vary_sections(along, run, {carried(scene.section, scene.bar.length)});
     if (scene.side)
       along.data.side =
           SideResistance{scene.side->stiffness ? carried(scene.side->stiffness, scene.bar.length) : nullptr,

@@ -17,6 +17,9 @@ double* number_of(std::vector<Member>& chain, std::string_view key);
 SpaceFunction along(std::vector<Member> chain, SpaceFunction Member::*own);
 /// Number and leaf of a key of a member: 2, "modulus" of "bar.2.modulus" and the table "bar"; absent: it is none.
 std::optional<std::pair<std::size_t, std::string_view>> member_key(std::string_view table, std::string_view key);
+/// Tells a direction what depends on sections: dA/dp of the bar, or of each member, at a fixed part of it; empty where
+/// p does not enter.
+void vary_sections(Direction& along, const Case& run, const std::vector<SpaceFunction>& rates);
 /// The same of a case, and its restitution.
 double* number_of(Case& run, std::string_view key);
 

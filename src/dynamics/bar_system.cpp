@@ -93,17 +93,12 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
     for (std::size_t j = 0; (section || !mesh.uniform()) && j < mesh.elements; ++j)
       inverse_spacing_.push_back(1.0 / stretch(j));
   }
-  const auto inertia_of = [&](const Piece& piece) {
-    return inertia_matrix(piece.mesh, mass, massless_[0], massless_[1], piece.section.get());
-  };
-  whole_inertia_ = assembled(*pieces_, [&](const Piece& piece) {
-    SymmetricTridiagonal inertia = inertia_of(piece);
-    return inertia *= piece.bar.density;
-  });
-  for (const Piece& piece : *pieces_)
-    if (piece.rigid()) whole_inertia_.diagonal[piece.first] += piece.mass;
+  whole_inertia_ = inertia_of(*pieces_, mass, massless_);
   if (scene.side) {
-    side_.emplace(assembled(*pieces_, inertia_of), side_values(scene.side->stiffness, scene.side->stiffness_places),
+    const auto unit_inertia = [&](const Piece& piece) {
+      return inertia_matrix(piece.mesh, mass, massless_[0], massless_[1], piece.section.get());
+    };
+    side_.emplace(assembled(*pieces_, unit_inertia), side_values(scene.side->stiffness, scene.side->stiffness_places),
                   side_values(scene.side->drag, scene.side->drag_places));
   }
   inertia_ = restrict_to(whole_inertia_, first, n);

@@ -22,7 +22,11 @@ double damping_ratio_rate(double restitution) {
   return -square / (restitution * std::pow(square + logarithm * logarithm, 1.5));
 }
 
-BarSystem in_frame_of(const BarSystem& bar, BarSystem data) {
+BarSystem in_frame_of(const BarSystem& bar, BarSystem data, const std::optional<Direction::Beside>& beside) {
+  if (beside)
+    data.add_load({std::make_shared<const BarSystem>(beside->after, beside->mesh_after, bar.mass()),
+                   std::make_shared<const BarSystem>(beside->before, beside->mesh_before, bar.mass()),
+                   0.5 / beside->apart});
   if (bar.side()) data.take_side(bar);
   return bar.follows() ? data.following() : data;
 }
@@ -68,8 +72,8 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
-      data_(
-          in_frame_of(system.bar(), {mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()})),
+      data_(in_frame_of(system.bar(), {mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()},
+                        direction.beside)),
       motion_(data_, penalty),
       added_(system.size(), 0.0) {
   const Bar& bar = system.bar().bar();
@@ -81,6 +85,8 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   relative_change_ = std::abs(direction.bar.density) / bar.density + std::abs(direction.bar.modulus) / bar.modulus +
                      std::abs(direction.bar.viscosity) / (bar.modulus * crossing) + std::abs(stretched) +
                      std::abs(direction.restitution);
+  if (system.bar().is_chain()) take_chain(direction);
+  if (direction.beside) take_difference(direction);
   if (direction.epsilon != 0.0) relative_change_ += std::abs(direction.epsilon / *penalty.epsilon);
   for (const Mount& mount : system.bar().mounts()) {
     const bool right = system.bar().is_right(mount.unknown);
@@ -182,13 +188,13 @@ double Derivative::stretch(std::size_t end, std::span<const double> x, std::span
 }
 
 double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
+  if (lift_inertia_[0].empty()) return 0.0;
   return lift.left * lift_inertia_[0][unknown] + lift.right * lift_inertia_[1][unknown];
 }
 
 double Derivative::displacement(std::size_t end, std::span<const double> u) const {
   return u[end] + system_.origin_at(end) + lift_[0].of(system_.bar().is_right(end));
 }
-  if (lift_inertia_[0].empty()) return 0.0;
 
 // The stretch of the lift, as stretch() is of u.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {

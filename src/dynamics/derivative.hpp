@@ -95,19 +95,20 @@ class MomentBuilder {
 /// measured in the frame of d lift / dp.
 ///
 /// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) Of bars in line each has
-/// its own numbers, and the first three terms are those of ChainRates. So it is a
-/// PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
+/// its own numbers, and the first three terms are those of ChainRates; so they are of a parameter of a section, by
+/// differences (see Direction::Beside). So it is a PenalisedSystem of its own, and its dynamic stiffness is that of the
+/// bar.
 class Derivative {
  public:
-  /// Derivatives of the matrices of a chain: rho'/rho + L'/L of each bar in M, E' - E L'/L and eta' - eta L'/L over
-  /// int dx / A of each element, those of joints that are springs among them.
+  /// Derivatives of the matrices of a chain, or of a difference: rho'/rho + L'/L of each bar in M, E' - E L'/L and eta'
+  /// - eta L'/L over int dx / A of each element, those of joints that are springs among them.
   struct ChainRates {
     SymmetricTridiagonal inertia;
     std::array<std::array<double, 3>, 2> held;  ///< rows of it of fixed ends
     std::vector<double> elastic, viscous;       ///< of each element
     UnitStiffness stiffness, viscosity;         ///< of those
-  };
     SymmetricTridiagonal whole;                 ///< that of inertia with fixed ends, where the frame moves
+  };
 
   /// `system` outlives it.
   Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction);
@@ -192,6 +193,7 @@ class Derivative {
   };
   void take_side(const Direction& direction, double stretched);
   void take_chain(const Direction& direction);
+  void take_difference(const Direction& direction);
   void find_start(const Direction& direction, std::span<const Piece> pieces);
   double mass_growth(const Contact& contact) const;
   double elastic_of(std::size_t element) const {
@@ -223,8 +225,8 @@ class Derivative {
   std::optional<SideRows> side_;
   std::optional<ChainRates> chain_;
   std::vector<double> added_, product_;
-  std::vector<double> start_;  // of a chain, what its own masses change the initial velocity by; empty: nothing
-  std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, where the frame moves
+  std::vector<double> start_;  // of a chain, or of a difference: what masses change the initial velocity by; or empty
+  std::array<std::vector<double>, 2> lift_inertia_;  // (rho M)' (1 - x/L) and (rho M)' x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last
   bool driven_ = false;                              // by the motion of the bar
 };

@@ -55,6 +55,71 @@ void Derivative::take_chain(const Direction& direction) {
   find_start(direction, pieces);
 }
 
+namespace {
+
+// Adds times (a - b); all of one form, or nothing yet.
+void add_difference(const SymmetricTridiagonal& a, const SymmetricTridiagonal& b, double times,
+                    SymmetricTridiagonal& to) {
+  if (to.diagonal.empty()) {
+    to = a;
+    to *= 0.0;
+  }
+  const auto add = [times](const auto& one, const auto& other, auto& sum) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += times * (one[i] - other[i]);
+  };
+  for (std::vector<double> SymmetricTridiagonal::*part :
+       {&SymmetricTridiagonal::diagonal, &SymmetricTridiagonal::off_diagonal, &SymmetricTridiagonal::skew})
+    add(a.*part, b.*part, to.*part);
+  for (std::size_t r = 0; r < to.one_sided.size(); ++r)
+    add(a.one_sided[r].entries, b.one_sided[r].entries, to.one_sided[r].entries);
+}
+
+}  // namespace
+
+// Central differences: of scenes 1e-5 apart they keep ten digits.
+void Derivative::take_difference(const Direction& direction) {
+  const BarSystem& bar = system_.bar();
+  const Direction::Beside& beside = *direction.beside;
+  const auto& [after, before, times] = *data_.added_load();
+  const std::array massless = {bar.massive_begin() == 1, bar.massive_end() < bar.size()};
+  const auto whole = [&](const Scene& scene, const Mesh& mesh) {
+    return inertia_of(pieces_of(scene, mesh), bar.mass(), massless);
+  };
+  const SymmetricTridiagonal late = whole(beside.after, beside.mesh_after),
+                             early = whole(beside.before, beside.mesh_before);
+  const auto unknowns = [&](const SymmetricTridiagonal& all) { return restrict_to(all, bar.first_node(), bar.size()); };
+  if (!chain_) {  // of one bar, whose own numbers are told by the first three
+    SymmetricTridiagonal own = whole(direction.data, bar.mesh());
+    own *= inertia_;
+    chain_ = ChainRates{
+        unknowns(own), {own.end_row(false), own.end_row(true)}, {}, {}, UnitStiffness(bar), UnitStiffness(bar), own};
+    for (std::size_t e = 0; e < bar.mesh().elements; ++e) {
+      chain_->elastic.push_back(modulus_ / bar.stretch(e));
+      chain_->viscous.push_back(viscosity_ / bar.stretch(e));
+    }
+    inertia_ = modulus_ = viscosity_ = 0.0;
+  }
+  add_difference(unknowns(late), unknowns(early), times, chain_->inertia);
+  add_difference(late, early, times, chain_->whole);
+  for (const bool right : {false, true})
+    for (std::size_t k = 0; k < 3; ++k)
+      chain_->held[right][k] += times * (late.end_row(right)[k] - early.end_row(right)[k]);
+  for (std::size_t e = 0; e < bar.mesh().elements; ++e) {
+    const auto add = [&](double Bar::*number, double stretch_after, double stretch_before, double& rate) {
+      rate += times * (after->bar().*number / stretch_after - before->bar().*number / stretch_before);
+    };
+    add(&Bar::modulus, after->stretch(e), before->stretch(e), chain_->elastic[e]);
+    add(&Bar::viscosity, after->rate_stretch(e), before->rate_stretch(e), chain_->viscous[e]);
+    relative_change_ = std::max(relative_change_, std::abs(after->stretch(e) / before->stretch(e) - 1.0) * times);
+  }
+  chain_->stiffness = UnitStiffness(bar, [&](std::size_t e) { return chain_->elastic[e]; });
+  chain_->viscosity = UnitStiffness(bar, [&](std::size_t e) { return chain_->viscous[e]; });
+  product_.resize(bar.size());
+  const std::vector<double> v = after->initial_state().v, v_before = before->initial_state().v;
+  start_.resize(bar.size());
+  for (std::size_t i = 0; i < v.size(); ++i) start_[i] += times * (v[i] - v_before[i]);
+}
+
 // A velocity that enters by its moments, (rho M) w = int rho phi_i u_1, has the derivative of both.
 void Derivative::find_start(const Direction& direction, std::span<const Piece> pieces) {
   const BarSystem& bar = system_.bar();

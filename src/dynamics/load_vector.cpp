@@ -27,7 +27,12 @@ double density_at(const SpaceTimeFunction& density, double x, double t) {
 }  // namespace
 
 LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), step_(step) {
-  steady_ = load_as<BarSystem::SteadyVector>() && !system.varying_forces_ && !system.moving();
+  steady_ = load_as<BarSystem::SteadyVector>() && !system.varying_forces_ && !system.moving() && !system.difference_;
+  if (system.difference_ && system.difference_->after->loaded())
+    for (const auto* of : {&system.difference_->after, &system.difference_->before}) {
+      const LoadVector& one = difference_.emplace_back(**of);
+      breaks_.insert(breaks_.end(), one.breaks_.begin(), one.breaks_.end());
+    }
   if (const auto* separable = load_as<BarSystem::SeparableVector>()) breaks_.push_back(separable->breaks);
   if (const auto* general = load_as<BarSystem::GeneralVector>()) {
     nodal_.resize(2 * system.mesh().nodes());
@@ -110,6 +115,12 @@ std::span<const double> LoadVector::at(double t) {
   ++evaluations_;
   find_distributed(t);
   add_inputs(t);
+  double times = difference_.empty() ? 0.0 : system_.difference_->times;
+  for (LoadVector& one : difference_) {
+    const std::span<const double> load = one.at(t);
+    for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] += times * load[i];
+    times = -times;
+  }
   time_ = t;
   return weighted_;
 }
@@ -201,6 +212,8 @@ double LoadVector::at(double t, std::size_t unknown) const {
   if (steady_) return load_as<BarSystem::SteadyVector>()->weighted[unknown];
   t = inside(t);
   double sum = distributed(t, unknown + system_.first_node());
+  if (!difference_.empty())
+    sum += system_.difference_->times * (difference_[0].at(t, unknown) - difference_[1].at(t, unknown));
   const bool left = unknown == 0 && !system_.left_fixed();
   const bool right = unknown + 1 == system_.size() && !system_.right_fixed();
   if (left || right) {
@@ -215,7 +228,9 @@ double LoadVector::at(double t, std::size_t unknown) const {
 }
 
 double LoadVector::at_held(double t, bool right) const {
-  return distributed(inside(t), right ? system_.mesh().elements : 0);
+  const double own = distributed(inside(t), right ? system_.mesh().elements : 0);
+  if (difference_.empty()) return own;
+  return own + system_.difference_->times * (difference_[0].at_held(t, right) - difference_[1].at_held(t, right));
 }
 
 double LoadVector::distributed(double t, std::size_t node) const {

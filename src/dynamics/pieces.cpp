@@ -58,6 +58,16 @@ bool touches_bar(const std::vector<Member>& chain, std::size_t k) {
   return !chain[left].rigid() || !chain[right].rigid();
 }
 
+SymmetricTridiagonal inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
+  SymmetricTridiagonal whole = assembled(pieces, [&](const Piece& piece) {
+    SymmetricTridiagonal inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());
+    return inertia *= piece.bar.density;
+  });
+  for (const Piece& piece : pieces)
+    if (piece.rigid()) whole.diagonal[piece.first] += piece.mass;
+  return whole;
+}
+
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh) {
   std::vector<Bar> bars;
   if (scene.chain.empty()) return bars;

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
 
 #include "discretisation/varying_section.hpp"
+#include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/scene/scene.hpp"
@@ -37,6 +39,9 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh);
 /// True if a bar has a node at the joint behind member k: that member or the next, or a bar bonded to one of them,
 /// whose row tells the force of the joint.
 bool touches_bar(const std::vector<Member>& chain, std::size_t k);
+
+/// rho M of pieces over all nodes, rigid bodies included; the ends marked have no mass where it is redistributed.
+SymmetricTridiagonal inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless);
 
 /// The material of each element of a chain, nothing's at joints; empty for a bar alone, whose elements are all alike.
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh);

@@ -106,19 +106,13 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     throw std::invalid_argument(fmt::format("{}: [parameters] has no such name{}", key,
                                             nearest ? fmt::format("; nearest is \"{}\"", *nearest) : ""));
   }
-  if (key.starts_with("side."))
+  const bool section = key == "bar.section" || (member && member->second == "section");
+  if (key.starts_with("side.") || section)
     if (const auto formula = entries.formula(key); formula && !formula->is_constant())
       throw std::invalid_argument(fmt::format(
           "{}: no sensitivity with respect to it: it varies along the bar; give a number in it a name below "
           "[parameters], and take parameters.NAME",
           key));
-  for (std::size_t k = 0; k <= run.scene.chain.size(); ++k) {
-    const std::string name = k == 0 ? "bar.section" : fmt::format("bar.{}.section", k);
-    const bool varies = parameter || length || (of_member && member->first == k);
-    if (const auto section = entries.formula(name); section && (key == name || (varies && section->derivative(by))))
-      throw std::invalid_argument(
-          fmt::format("{}: no sensitivity with respect to it: the section depends on it; compare two runs", key));
-  }
   if (const auto given = damping_by(entries, key)) {
     Direction along = direction(run, given->first);
     along.key = key;
@@ -127,22 +121,32 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     if (key == "contact.restitution" && has_penalty(run.scene)) along.restitution = 1.0;
     return along;
   }
-  Direction along = direction(run, parameter ? "" : key);
-  if (!parameter && !length && !of_member) return along;
+  Direction along = direction(run, parameter || section ? "" : key);
+  std::vector<std::string> sections = {"bar.section"};
+  if (const std::size_t count = run.scene.chain.size(); count > 0) {
+    sections.clear();
+    for (std::size_t k = 1; k <= count; ++k) sections.push_back(fmt::format("bar.{}.section", k));
+  }
+  if (parameter || section) {
+    if (section && !entries.formula(key))
+      throw std::invalid_argument(fmt::format("{}: no sensitivity with respect to it: it is not given", key));
+    std::vector<SpaceFunction> rates(sections.size());
+    for (std::size_t k = 0; k < sections.size(); ++k)
+      if (const auto formula = entries.formula(sections[k]); formula && key == sections[k])
+        rates[k] = [](double) { return 1.0; };
+      else if (formula && parameter && formula->derivative(by))
+        rates[k] = rate_of_x(*formula, by, 0.0);
+    if (run.scene.side && std::ranges::any_of(rates, [](const SpaceFunction& rate) { return bool(rate); }))
+      throw std::invalid_argument(fmt::format(
+          "{}: no sensitivity with respect to it: the section depends on it, along which [side] resists", key));
+    vary_sections(along, run, rates);
+  }
   along.key = key;
-  std::vector<std::string> formulas = {"initial.displacement",
-                                       "initial.velocity",
-                                       "load.density",
-                                       "load.profile",
-                                       "load.history",
-                                       "left.force",
-                                       "right.force",
-                                       "left.motion",
-                                       "right.motion",
-                                       "left.gap",
-                                       "right.gap",
-                                       "side.stiffness",
-                                       "side.drag"};
+  if (!parameter && !length && !of_member) return along;
+  std::vector<std::string> formulas = of_member ? std::vector{sections.at(member->first - 1)} : sections;
+  formulas.insert(formulas.end(), {"initial.displacement", "initial.velocity", "load.density", "load.profile",
+                                   "load.history", "left.force", "right.force", "left.motion", "right.motion",
+                                   "left.gap", "right.gap", "side.stiffness", "side.drag"});
   for (std::size_t k = 1; k <= run.scene.chain.size(); ++k)
     for (const char* leaf : {"displacement", "velocity"}) formulas.push_back(fmt::format("bar.{}.{}", k, leaf));
   for (const std::string& name : formulas)

@@ -22,6 +22,7 @@ Direction still(const BarSystem& bar, const Scene& of) {
   Scene& data = direction.data;
   data.bar = bar.bar();
   data.displacement = data.velocity = [](double) { return 0.0; };
+  data.section = of.section, data.section_places = of.section_places;
   data.chain = of.chain;
   for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.velocity;
   direction.members.resize(data.chain.size(), Member{.bar = {0.0, 0.0, 0.0, 0.0}});
@@ -54,9 +55,9 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       w_(system.size()),
       acceleration_(system.size()),
       load_rate_(system.size()),
+      parted_(system.size()),
       shifts_(directions.size()),
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
-  if (system.bar().is_chain()) parted_.resize(system.size());
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().add_force(load_rate_, {});
@@ -244,7 +245,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       const double left = contact.of(s.w());
       const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * came : 0.0;
       double share = (reflected - left) / (goes - came);
-      if (system_.bar().is_chain()) {
+      if (derivative.matrix_rates().chain) {
         for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
         derivative.multiply_chain_inertia(load_rate_, parted_);
         system_.accelerate(parted_);

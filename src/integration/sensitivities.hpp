@@ -124,7 +124,7 @@ class Sensitivities {
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;
   std::vector<double> w_, acceleration_, load_rate_;
-  std::vector<double> parted_;  // of a chain, scratch
+  std::vector<double> parted_;  // scratch
   // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;

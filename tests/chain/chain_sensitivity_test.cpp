@@ -143,9 +143,8 @@ TEST(ChainSensitivities, RefuseWhatHasNoneAndSayWhy) {
     }
     return std::string();
   };
-  EXPECT_NE(complaint("bar.2.length", {"load.density=1.0"}).find("load and side are of x along all bars"),
-            std::string::npos);
-  EXPECT_NE(complaint("bar.3.section", {}).find("the section depends on it"), std::string::npos);
+  EXPECT_NE(complaint("bar.2.length", {"side.drag=1.0"}).find("side is of x along all bars"), std::string::npos);
+  EXPECT_NE(complaint("bar.3.section", {"bar.3.section=1+x"}).find("it varies along the bar"), std::string::npos);
   EXPECT_NE(complaint("bar.modulus", {}).find("bar.1.length"), std::string::npos);
   EXPECT_NE(complaint("joint.3.gap", {}).find("no sensitivity"), std::string::npos);
   EXPECT_NE(complaint("bar.2.modulus", {"method.name=exponential"}).find("rigid"), std::string::npos);

@@ -106,7 +106,7 @@ TEST_F(Sensitivity, OfAFitFindsWhatMadeTheTrace) {
       viscobar("fit bar.toml --events made/events.csv --parameters left.gap --set left.gap=0.2 -o times --json");
   ASSERT_EQ(times.code, 0) << times.error;
   EXPECT_NEAR(times.json()["parameters"]["left.gap"]["estimate"], 0.1, 1e-6);
-  // There is no derivative by what a section depends on: such runs are differenced.
+  // A number of the section, too.
   const std::string cone = "--set 'bar.section=(1+taper*x)^2' --set parameters.taper=";
   ASSERT_EQ(viscobar("run bar.toml -o cone --quiet " + cone + "0.8").code, 0);
   const auto taper =

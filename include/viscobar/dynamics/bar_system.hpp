@@ -157,9 +157,19 @@ class BarSystem {
   const Bar& bar() const { return bar_; }               ///< its material
   bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
   /// True if there is a load: f, a force on an end, or a frame that moves.
-  bool loaded() const { return load_ || inputs_[0].force || inputs_[1].force || moving(); }
-  bool left_fixed() const { return walls_[0].has_value(); }   ///< node 0 is no unknown
-  bool right_fixed() const { return walls_[1].has_value(); }  ///< node J is no unknown
+  bool loaded() const {
+    return load_ || inputs_[0].force || inputs_[1].force || moving() || (difference_ && difference_->after->loaded());
+  }
+  /// Two systems of the same nodes.
+  struct Difference {
+    std::shared_ptr<const BarSystem> after, before;
+    double times;
+  };
+  /// Adds so many times the difference of their loads to its own.
+  void add_load(Difference difference) { difference_ = std::move(difference); }
+  const std::optional<Difference>& added_load() const { return difference_; }  ///< that
+  bool left_fixed() const { return walls_[0].has_value(); }                    ///< node 0 is no unknown
+  bool right_fixed() const { return walls_[1].has_value(); }                   ///< node J is no unknown
   /// The unknown of an end that is not fixed: the first or the last.
   std::size_t end(bool right) const { return right ? size() - 1 : 0; }
   /// Which end that is.
@@ -449,6 +459,7 @@ class BarSystem {
   std::vector<Contact> contacts_;
   State initial_;
   std::optional<std::variant<SteadyVector, SeparableVector, GeneralVector>> load_;
+  std::optional<Difference> difference_;
   std::array<EndInput, 2> inputs_;                   // left, right
   bool varying_forces_ = false;                      // true if their forces are to be added to the load
   bool following_ = false;                           // true if the frame moves with obstacles, too
@@ -512,6 +523,7 @@ class LoadVector {
   double step_;
   bool steady_;
   std::vector<double> nodal_, weighted_;
+  std::vector<LoadVector> difference_;  // two systems to whose difference the load has a part in proportion
   std::optional<double> time_;
   std::vector<NextBreak> breaks_;
   NextBreakAt breaks_at_;

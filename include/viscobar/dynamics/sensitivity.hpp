@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
@@ -20,6 +21,15 @@ struct Direction {
   Scene data;
   /// Derivatives of a chain: of what its members are made of, those of joints but for the gaps, which are in `data`.
   std::vector<Member> members{};
+  /// The scene at p - apart and p + apart where integrals over its elements depend on p, those of a section, or of a
+  /// load along a bar that gets longer: matrices, load and initial velocities have the differences of the two beside
+  /// all that is told above. Functions of x are the same in both at a fixed part of each bar, and ends stand still.
+  struct Beside {
+    Scene before, after;
+    Mesh mesh_before, mesh_after;
+    double apart;
+  };
+  std::optional<Beside> beside{};
   double epsilon = 0.0;      ///< derivative of the penalty's epsilon
   double restitution = 0.0;  ///< of the restitution
 };

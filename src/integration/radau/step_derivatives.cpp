@@ -29,7 +29,7 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
   if (moment_.asks_for_inertia()) inertial_.resize(n);
   for (const Derivative* one : derivatives) {
     const Derivative::MatrixRates rates = one->matrix_rates();
-    if (rates.chain) inertial_.resize(n), stiff_.resize(n);
+    if (rates.chain) of_elements_.resize(n);
     if (rates.viscosity != 0.0 || rates.modulus != 0.0) stiff_.resize(n);
   }
   parts_.resize(derivatives.size(), {std::vector<double>(n),
@@ -102,11 +102,11 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   const std::size_t n = layout_.nodes;
   if (rates.chain) {
     const auto add_elements = [&](const UnitStiffness& elements, const Complex& factor) {
-      elements.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
-      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + factor * stiff_[i];
+      elements.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, of_elements_);
+      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + factor * of_elements_[i];
     };
-    multiply(rates.chain->inertia, motion, inertial_);
-    for (std::size_t i = 0; i < n; ++i) x[i] = -1.0 * formula.poles * inertial_[i];
+    multiply(rates.chain->inertia, motion, x);
+    for (std::size_t i = 0; i < n; ++i) x[i] = -1.0 * formula.poles * x[i];
     add_elements(rates.chain->stiffness, elastic(0.0, 1.0));
     add_elements(rates.chain->viscosity, elastic(1.0, 0.0));
   } else if (inertial && stiff)
@@ -192,8 +192,7 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
   h_ = step.h;
   const std::size_t n = layout_.nodes;
   if (moment_.asks_for_inertia()) multiply(system_.bar().inertia(), motion, inertial_);
-  if (!stiff_.empty() && !system_.bar().is_chain())
-    stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
+  if (!stiff_.empty()) stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
   double largest = 0.0;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];

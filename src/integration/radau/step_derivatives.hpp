@@ -67,6 +67,7 @@ class StepDerivatives {
   double h_ = 0.0;  // of the last step
   std::vector<Part> parts_;
   std::vector<Complex> inertial_, stiff_;  // rho M X and K X of the motion
+  std::vector<Complex> of_elements_;       // scratch
   std::vector<double> force_, rates_;      // scratch
 };
 
