@@ -225,9 +225,9 @@ constexpr PairTruth pair_truths[] = {{1.0, 1.5535874882557, 0.89166619755518},
                                      {0.1, 2.0599929079778, 1.2432684888266},
                                      {0.01, 2.068825800376, 1.370641194291}};
 
-// The same pair graded towards the contact, and with given nodes.
+// The same pair graded towards the contact, and with given nodes. The impulse's error changes its sign between meshes:
+// its order is that of a bound. Penalty and step are wrong by 1e-5 and 1e-4.
 TEST(BarMeshes, AnImpactOnUnlikeMeshesIsThatOfLaplacesTransform) {
-  std::vector<double> errors;
   const PairTruth& truth = pair_truths[1];
   for (const int elements : {20, 40, 80}) {
     std::vector<std::string> settings = {"bar.1.grading=2.5", "bar.2.nodes=[0,0.3,0.7,1.1,1.5]", "method.step=1e-4"};
@@ -236,12 +236,10 @@ TEST(BarMeshes, AnImpactOnUnlikeMeshesIsThatOfLaplacesTransform) {
       const Recording found = record(parse_scene(pair_text(truth.alpha, elements, method), "", settings).run);
       ASSERT_EQ(found.events.size(), 2U) << method << ' ' << elements;
       const double error = found.statistics.account->joints.at(0).impulse - truth.impulse;
-      if (method == std::string_view("rigid")) errors.push_back(error);
-      EXPECT_NEAR(error, 0.0, 1e-4) << method << ' ' << elements;
+      const double allowed = method == std::string_view("rigid") ? 3e-8 * std::pow(40.0 / elements, 4) : 1e-4;
+      EXPECT_NEAR(error, 0.0, allowed) << method << ' ' << elements;
     }
   }
-  EXPECT_LT(std::abs(errors[2]), 1e-6);
-  EXPECT_GT(order(errors[1], errors[2]), 3.7) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
 }
 
 TEST(ContactJoint, AnImpactOfUnlikeBarsIsThatOfLaplacesTransform) {
