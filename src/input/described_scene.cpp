@@ -7,6 +7,7 @@
 
 #include "input/scene_entries.hpp"
 #include "input/scene_keys.hpp"
+#include "input/seal.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -166,16 +167,29 @@ std::string scene_text(const SceneValues& values) {
   return top + tables;
 }
 
+Json parsed_json(std::string_view text, std::string_view otherwise) try {
+  return Json::parse(text);
+} catch (const Json::parse_error& error) {
+  // The parser counts the bytes that it has read, the wrong one included, and one more at the end.
+  const std::size_t at = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
+  const std::size_t length = std::max<std::size_t>(1, character_length(text, at));
+  const bool ended = text.find_first_not_of(" \t\r\n", at) == text.npos;
+  throw TextError(position_in(text, at),
+                  fmt::format("{}: {}", otherwise,
+                              ended ? "it ends before its last bracket closes"
+                                    : fmt::format("{} cannot stand here", one_line(text.substr(at, length)))));
+}
+
 TomlNode scene_tree(const std::string& text) {
   if (const auto first = text.find_first_not_of(" \t\r\n"); first == std::string::npos || text[first] != '{')
     return parse_toml(text);
-  try {
-    const Json summary = Json::parse(text);
-    if (summary.contains("scene") && summary["scene"].is_object()) return tree_of(summary["scene"]);
-  } catch (const Json::parse_error& error) {
-    throw TextError(position_in(text, error.byte > 0 ? error.byte - 1 : 0),
-                    fmt::format("this is no TOML, and no JSON either: {}", error.what()));
-  }
+  const Json summary = parsed_json(text, "this is no TOML, and no JSON either");
+  if (summary.contains("crc64") && seal_of(text) == Seal::broken)
+    throw TextError(
+        {},
+        "this summary is damaged: its checksum is not the one that was written; from one that was changed on "
+        "purpose take out \"crc64\"");
+  if (summary.contains("scene") && summary["scene"].is_object()) return tree_of(summary["scene"]);
   throw TextError(
       {},
       "this is JSON without a scene; a file consists of [tables] and lines key = value, or is a summary of viscobar");

@@ -32,6 +32,9 @@ std::string text_of(const Setting& setting);
 
 std::string scene_text(const SceneValues& values);
 
+/// @throws TextError that says "`otherwise`: " and why
+nlohmann::ordered_json parsed_json(std::string_view text, std::string_view otherwise);
+
 /// A scene file, or the scene that a summary of viscobar tells (summary.json, limit.json, ...). TOML never begins with
 /// a brace. @throws TextError where the text is neither
 TomlNode scene_tree(const std::string& text);

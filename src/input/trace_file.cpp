@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "input/input_text.hpp"
+#include "input/seal.hpp"
 #include "text/nearest_name.hpp"
 #include "text/number.hpp"
 #include "text/printable_text.hpp"
@@ -27,6 +28,7 @@ bool contains(const Cells& names, std::string_view name) { return std::ranges::f
 std::string text_of(const std::filesystem::path& file) {
   constexpr std::size_t most_bytes = std::size_t{1} << 30;
   std::string raw = input_text(file, most_bytes), text;
+  check_unchanged(file, raw);
   if (raw.starts_with("\xff\xfe") || raw.starts_with("\xfe\xff")) {
     const std::size_t low = raw[0] == '\xff' ? 0 : 1;
     for (std::size_t i = 2; i + 1 < raw.size(); i += 2) text += raw[i + 1 - low] == '\0' ? raw[i + low] : '?';

@@ -71,7 +71,7 @@ class RecordedRun {
         system_(setup_.system()),
         data_(scene.run, system_),
         chatter_(system_),
-        pace_(0.0, scene.run.end) {
+        pace_(0.0, scene.run.end, PaceWatch::some_seconds(scene.run.mesh().nodes())) {
     if (last_.schedule && !simulated()) clock_.emplace(last_.schedule->interval);
   }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <span>
@@ -26,11 +27,15 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
            const std::function<void(const std::string& warning)>& warn);
 
 /// Notices a run that will take very long: every `look` steps, the time they advanced tells how many the rest would
-/// take at that pace. Counted in steps, so that it says the same on every machine.
+/// take at that pace. More than a hundred times as many are many. Counted in steps, so that it says the same on every
+/// machine.
 class PaceWatch {
  public:
-  PaceWatch(double begin, double end, std::size_t look = 1'000'000, double many = 1e8)
-      : end_(end), look_(look), many_(many), since_(begin) {}
+  PaceWatch(double begin, double end, std::size_t look) : end_(end), look_(look), since_(begin) {}
+  /// Steps of so many nodes that take some seconds.
+  static std::size_t some_seconds(std::size_t nodes) {
+    return std::clamp<std::size_t>(100'000'000 / nodes, 1000, 1'000'000);
+  }
 
   /// To be told the time that each step led to; what it has to say, once.
   std::optional<std::string> heard(double t) {
@@ -38,7 +43,7 @@ class PaceWatch {
     const double before = since_, rest = static_cast<double>(look_) * ((end_ - t) / (t - before));
     steps_ = 0;
     since_ = t;
-    if (told_ || !(rest > many_)) return std::nullopt;
+    if (told_ || !(rest > 100.0 * static_cast<double>(look_))) return std::nullopt;
     told_ = true;
     return fmt::format(
         "slow: the last {} steps led from t = {:.6g} to {:.6g}, at that pace the end is {:.1e} steps away; remedies: "
@@ -52,7 +57,6 @@ class PaceWatch {
  private:
   double end_;
   std::size_t look_;
-  double many_;
   std::size_t steps_ = 0;
   double since_;
   bool told_ = false;

@@ -9,6 +9,7 @@
 #include "input/described_scene.hpp"
 #include "input/unit_of_key.hpp"
 #include "results/csv.hpp"
+#include "results/output_file.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "viscobar/results/io_error.hpp"
 
@@ -156,6 +157,21 @@ std::string file_content(const std::filesystem::path& file) {
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw IoError(file, "cannot be read");
   return text;
+}
+
+Checksum checksum_of_file(const std::filesystem::path& file, std::uint64_t begin, std::uint64_t length) {
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(begin));
+  Checksum sum;
+  std::vector<char> block(1 << 18);
+  while (stream && sum.bytes < length) {
+    stream.read(block.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(block.size(), length - sum.bytes)));
+    sum.add({block.data(), static_cast<std::size_t>(stream.gcount())});
+  }
+  if (stream.bad() || (!stream && !stream.eof()))
+    throw IoError(file, "cannot be read: " + std::generic_category().message(errno));
+  return sum;
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text, bool durable) {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "results/checksum.hpp"
+#include "input/checksum.hpp"
 
 namespace viscobar {
 
@@ -143,6 +143,10 @@ void sync_directory(const std::filesystem::path& directory);
 void make_directories(const std::filesystem::path& directory);
 
 std::string file_content(const std::filesystem::path& file);
+
+/// Checksum of `length` bytes of a file from `begin` on, or of as many as there are. @throws IoError when it cannot be
+/// read
+Checksum checksum_of_file(const std::filesystem::path& file, std::uint64_t begin = 0, std::uint64_t length = ~0ull);
 
 /// Writes a whole file so that a reader sees the old content or the new, never a part; `durable`, also after a power
 /// cut.

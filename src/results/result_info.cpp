@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
+#include "input/described_scene.hpp"
 #include "input/input_text.hpp"
+#include "input/seal.hpp"
 #include "results/json.hpp"
+#include "results/output_file.hpp"
 #include "results/result_directory.hpp"
 #include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
@@ -86,18 +88,20 @@ Json facts(const Kind& kind, fs::path file) {
     file.replace_extension("json");
     if (!fs::exists(file)) return result;
   }
-  std::ifstream stream(file);
-  if (!stream) throw IoError(file, "cannot be read");
+  const std::string text = file_content(file);
   try {
-    const Json summary = Json::parse(stream);
+    const Json summary = parsed_json(text, "is no JSON");
+    if (seal_of(text) == Seal::broken) result["damaged"] = "its checksum is not the one that was written";
     for (const std::string_view fact : split(kind.facts, ' ')) {
       const std::size_t equals = fact.find('=');
       const std::string name(fact.substr(0, equals));
       Json value = found(summary, equals == fact.npos ? "/" + name : std::string(fact.substr(equals + 1)));
       if (!value.is_null()) result[name] = std::move(value);
     }
-  } catch (const Json::exception& error) {
-    throw IoError(file, fmt::format("is no summary of viscobar: {}", error.what()));
+  } catch (const TextError& error) {
+    throw IoError(fmt::format("{}:{}:{}", file.string(), error.at.line, error.at.column), error.what());
+  } catch (const Json::exception&) {
+    throw IoError(file, "is JSON, and no summary of viscobar: its members are others");
   }
   if (kind.name == "sweep") result["completed"] = result["remaining"] == 0 && result["failed"] == 0;
   return result;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace viscobar {
@@ -38,6 +39,10 @@ struct VerifiedFile {
 /// @throws std::invalid_argument when there is no result
 /// @throws IoError when a file cannot be read
 std::vector<VerifiedFile> verify_result(const std::filesystem::path& directory);
+
+/// @throws IoError that names a damaged file of a result and says that nothing was `done`. What is missing is only not
+/// read.
+void check_sound(const std::filesystem::path& directory, std::string_view done);
 
 /// The worst of them: damaged when one is damaged or missing, unchecked when one is that, else sound.
 FileState verdict(const std::vector<VerifiedFile>& files);

@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
+#include "input/described_scene.hpp"
 #include "results/json.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {
 
 namespace {
-
-constexpr std::string_view no_digits = "0000000000000000", before = "\"crc64\": \"", behind = "\"\n}\n";
 
 Json contact_json(const Scene& scene, const Outcome& outcome) {
   const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
@@ -168,40 +166,12 @@ std::string summary_json(const SceneFile& scene, const BarSystem& system, const 
 std::string sealed_summary(Json summary, const FileChecksums& files) {
   Json& list = summary["files"] = Json::object();
   for (const auto& [name, sum] : files) list[name] = {{"bytes", sum.bytes}, {"crc64", sum.digits()}};
-  summary["crc64"] = no_digits;
-  std::string text = json_text(summary);
-  text.replace(text.size() - behind.size() - no_digits.size(), no_digits.size(), Checksum::of(text).digits());
-  return text;
+  summary["crc64"] = Checksum{}.digits();
+  return sealed(json_text(summary));
 }
 
 std::string sealed_summary(const std::string& summary, const FileChecksums& files) {
   return sealed_summary(Json::parse(summary), files);
-}
-
-Seal seal_of(std::string_view text) {
-  constexpr std::size_t length = before.size() + no_digits.size() + behind.size();
-  const std::string_view seal = text.substr(text.size() - std::min(text.size(), length));
-  if (seal.size() == length && seal.starts_with(before) && seal.ends_with(behind)) {
-    Checksum sum = Checksum::of(text.substr(0, text.size() - no_digits.size() - behind.size()));
-    sum.add(no_digits);
-    sum.add(behind);
-    return sum.digits() == seal.substr(before.size(), no_digits.size()) ? Seal::sound : Seal::broken;
-  }
-  // Damage in one place may hide the seal, not also the list of files before it.
-  const Json read = Json::parse(text, nullptr, false);
-  return read.is_object() && !read.contains("files") ? Seal::absent : Seal::broken;
-}
-
-FileChecksums files_of(std::string_view summary) {
-  FileChecksums files;
-  const Json read = Json::parse(summary);
-  for (const auto& [name, entry] : read.at("files").items()) {
-    Checksum& sum = files[name];
-    sum.bytes = entry.at("bytes");
-    const std::string digits = entry.at("crc64");
-    std::from_chars(digits.data(), digits.data() + digits.size(), sum.crc64, 16);
-  }
-  return files;
 }
 
 }  // namespace viscobar

@@ -186,6 +186,12 @@ std::vector<VerifiedFile> verify_result(const fs::path& directory) {
   return files;
 }
 
+void check_sound(const fs::path& directory, std::string_view done) {
+  for (const VerifiedFile& file : verify_result(directory))
+    if (file.state == FileState::damaged && !file.name.starts_with("unfinished/"))
+      throw IoError(directory / file.name, fmt::format("is damaged: {}; nothing was {}", file.reason, done));
+}
+
 FileState verdict(const std::vector<VerifiedFile>& files) {
   const auto some = [&](FileState state) {
     return std::ranges::any_of(files, [&](const VerifiedFile& file) { return file.state == state; });

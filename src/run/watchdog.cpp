@@ -26,16 +26,16 @@ void Watchdog::attempt(double before, double reached) {
 }
 
 void Watchdog::step(double t, std::size_t changes) {
-  if (++steps_ < look_) return;
-  const double rest = static_cast<double>(look_) * ((end_ - t) / (t - since_));
   const std::size_t changed = changes - changes_;
+  if (++steps_ < look_ && changed < look_ / 50) return;
+  const double rest = static_cast<double>(steps_) * ((end_ - t) / (t - since_));
   // Not a number where no time has passed at all.
   if (t < end_ && !(rest <= most_ || rest < 0.5 * rest_))
     throw StepFailure(
         changed > look_ / 1000 ? Failure::chatter : Failure::length,
         fmt::format("the last {} steps led from t = {} to {}, with {} contact changes: at that pace the end is {:.1e} "
                     "steps away",
-                    look_, since_, t, changed, rest));
+                    steps_, since_, t, changed, rest));
   rest_ = rest;
   steps_ = 0;
   changes_ = changes;

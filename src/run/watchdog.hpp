@@ -9,10 +9,10 @@ namespace viscobar {
 /// rounding of the numbers decides.
 class Watchdog {
  public:
-  /// The run is from `begin` to `end`. Every `look` steps, the time they advanced tells how many the rest would take,
-  /// and more than `most` are refused unless they become fewer fast, as when a stiff contact settles. A pause of that
-  /// length within a run that then goes on is far beyond any storm that a bar makes: bounces that die out do so in
-  /// tens.
+  /// The run is from `begin` to `end`. Every `look` steps, or contact changes of a fiftieth of that number, the time
+  /// they advanced tells how many steps the rest would take, and more than `most` are refused unless they become fewer
+  /// fast, as when a stiff contact settles. A pause of that length within a run that then goes on is far beyond any
+  /// storm that a bar makes: bounces that die out do so in tens.
   explicit Watchdog(double begin, double end, std::size_t look = 1'000'000, double most = 1e10)
       : since_(begin), last_change_(begin), end_(end), look_(look), most_(most) {}
 

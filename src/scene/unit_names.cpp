@@ -84,13 +84,19 @@ std::string unit_name(const Units& units, const UnitPowers& powers) {
   return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
 }
 
+std::string unit_name(const Units& units, Dimension quantity, const std::optional<UnitPowers>& per) {
+  if (!per) return {};
+  UnitPowers powers = unit_powers(quantity);
+  for (std::size_t k = 0; k < powers.size(); ++k) powers[k] -= (*per)[k];
+  return powers == UnitPowers{} && !named_units(units).empty() ? "1" : unit_name(units, powers);
+}
+
 std::string squares(std::string unit) {
   for (std::size_t at = 0; (at = unit.find("^2", at)) != unit.npos;) unit.replace(at, 2, "²");
   return unit;
 }
 
-std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
-  const std::string unit = unit_name(units, quantity);
+std::string with_unit(std::string_view words, const std::string& unit) {
   return unit.empty() ? std::string(words) : fmt::format("{} [{}]", words, squares(unit));
 }
 

@@ -25,11 +25,17 @@ std::optional<UnitPowers> unit_powers(std::string_view words);
 std::string unit_name(const Units& units, const UnitPowers& powers);
 inline std::string unit_name(const Units& units, Dimension quantity) { return unit_name(units, unit_powers(quantity)); }
 
+/// The unit of a derivative, "1" of a number where the scene names units; empty where that by which it is has none.
+std::string unit_name(const Units& units, Dimension quantity, const std::optional<UnitPowers>& per);
+
 /// A unit as pages write it, with ² for ^2.
 std::string squares(std::string unit);
 
 /// "time t [s]", as pages write it; without a unit the words alone.
-std::string with_unit(std::string_view words, const Units& units, Dimension quantity);
+std::string with_unit(std::string_view words, const std::string& unit);
+inline std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
+  return with_unit(words, unit_name(units, quantity));
+}
 
 /// The units that are named, as "length: m, time: s"; empty where none is.
 std::string named_units(const Units& units);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "results/checksum.hpp"
+#include "input/checksum.hpp"
 #include "results/field/hdf5_handle.hpp"
 #include "viscobar/sweep/sweep.hpp"
 

@@ -21,13 +21,14 @@ accuracy::Sample sample(const Case& run) {
   return *found;
 }
 
-// With the law of contact of the run, where that is not the rigid one that all laws at an end tend to.
+// With the law of contact of the run, where that is not the rigid one that all laws at an end without mass tend to.
 Case truth_of(const Case& run, std::size_t finer, double looser = 1.0) {
   Case truth = run;
   truth.automatic = false;
   truth.elements = run.elements * finer;
   truth.grading = 1.0;
   truth.restitution.reset();
+  if (run.scene.left_input.mass) truth.restitution = run.restitution.value_or(is_penalised(run.method) ? 1.0 : 0.0);
   truth.mass.reset();
   truth.epsilon.reset();
   truth.step.reset();
@@ -43,6 +44,21 @@ Case truth_of(const Case& run, std::size_t finer, double looser = 1.0) {
   truth.tolerance = Tolerance{1e-9 * looser};
   truth.epsilon = 1e-13 * looser * natural_epsilon(run.scene);
   return truth;
+}
+
+const std::string six_methods[] = {"cvode", "rigid", "ida", "fully_discrete", "arkode", "automatic"};
+
+std::string settings(Draw& draw, const std::string& method, double end, const char* third_mass) {
+  std::string text = fmt::format("[time]\nend = {:.3g}\n[output]\nevery = {:.4g}\n[method]\nname = \"{}\"\n", end,
+                                 end / 100.0, method);
+  text += fmt::format("[mesh]\nelements = {}\n", static_cast<int>(draw.between(15.0, 50.0)));
+  const bool penalised = method == "cvode" || method == "ida" || method == "arkode";
+  const char* mass = draw.one_of({"consistent", "lumped", third_mass});
+  text += penalised ? fmt::format("mass = \"{}\"\n[contact]\nepsilon = {:.2g}\n", mass, draw.decades(1e-6, 1e-3))
+                    : "[contact]\n";
+  if ((penalised || method == "fully_discrete") && draw.chance(0.6))
+    text += fmt::format("restitution = {}\n", draw.one_of({0.0, 0.5, 0.8, 1.0}));
+  return text;
 }
 
 }  // namespace
@@ -101,6 +117,35 @@ std::string thrown_scene(std::uint64_t seed, std::size_t index) {
   if (!scheme && draw.chance(0.3)) options += fmt::format("relative_tolerance = {:.1g}\n", draw.decades(1e-8, 1e-3));
   if (scheme && draw.chance(0.7)) options += fmt::format("step = {:.2g}\n", draw.decades(0.05, 1.0) / elements);
   return text + "[method]\nname = \"" + method + "\"\n" + options;
+}
+
+std::string chattering_scene(std::uint64_t seed, std::size_t index) {
+  Draw draw(seed, index);
+  const double viscosity = draw.decades(0.001, 0.02), left = draw.between(0.02, 0.2), right = draw.between(0.02, 0.2);
+  const double bend = draw.between(0.5, 1.0), speed = draw.between(0.5, 1.0), end = draw.between(2.0, 6.0);
+  const std::string text = fmt::format(
+      "[bar]\nlength = 1.0\nviscosity = {:.3g}\n[left]\nkind = \"obstacle\"\ngap = {:.3g}\n[right]\nkind = "
+      "\"obstacle\"\ngap = {:.3g}\n[initial]\ndisplacement = \"{:.3g}*x*(1-x)\"\nvelocity = \"{:.3g}*x*(1-x)\"\n",
+      viscosity, left, draw.chance(0.5) ? left : right, bend, -speed);
+  return text + settings(draw, six_methods[index % 6], end, "redistributed");
+}
+
+std::string bouncing_scene(std::uint64_t seed, std::size_t index) {
+  Draw draw(seed, index);
+  const std::string& method = six_methods[index % 6];
+  const bool masses = method != "fully_discrete";
+  const double viscosity = draw.decades(0.01, 1.0), gap = draw.between(0.02, 0.3), speed = draw.between(0.0, 1.0),
+               load = draw.between(0.3, 3.0), rate = draw.between(1.0, 5.0), end = draw.between(3.0, 10.0),
+               left = draw.decades(0.01, 2.0), right = draw.decades(0.01, 2.0);
+  std::string text = fmt::format("[bar]\nlength = 1.0\nviscosity = {:.3g}\n[left]\nkind = \"obstacle\"\ngap = {:.3g}\n",
+                                 viscosity, gap);
+  if (masses && draw.chance(0.6)) text += fmt::format("mass = {:.3g}\n", left);
+  text += "[right]\nkind = \"free\"\n";
+  if (masses && draw.chance(0.5)) text += fmt::format("mass = {:.3g}\n", right);
+  text += draw.chance(0.5) ? fmt::format("force = \"{:.3g}*(sin({:.3g}*t)-0.5)\"\n", load, rate)
+                           : fmt::format("[load]\ndensity = {:.3g}\n", -load);
+  text += fmt::format("[initial]\nvelocity = {:.3g}\n", -speed);
+  return text + settings(draw, method, end, "fourth_order");
 }
 
 std::optional<TrueError> true_error(const Case& run) try {

@@ -19,6 +19,14 @@ namespace viscobar::campaign {
 /// along the bar.
 std::string thrown_scene(std::uint64_t seed, std::size_t index);
 
+/// The same of bars that chatter: little viscosity between two obstacles, by penalised methods on each mass, the
+/// exact one and (2.8), without restitution and with one of 0 to 1.
+std::string chattering_scene(std::uint64_t seed, std::size_t index);
+
+/// The same of bars that bounce many times: thrown or pulled at one obstacle by a load or a force on the other end,
+/// with masses of a hundredth to twice the bar's on the ends.
+std::string bouncing_scene(std::uint64_t seed, std::size_t index);
+
 /// The motion of the bar itself, with a rigid obstacle, at a thousand times: by characteristics without viscosity, by
 /// `rigid` on a finer mesh with it, on twice as many elements again to see how good that is.
 struct TrueError {

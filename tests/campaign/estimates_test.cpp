@@ -15,6 +15,7 @@
 #include "support/scratch.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/record/record_run.hpp"
+#include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar::campaign {
 namespace {
@@ -51,10 +52,39 @@ TEST(Estimates, OfAPenaltyAlongTheBarSeeBeyondThePlateauOfImpactsThatOverlap) {
   EXPECT_LT(told.estimate->total / truth->error, 2.0);
 }
 
+TEST(Estimates, OfChatterAndBouncesAreNoThirdOfTheError) {
+  for (const auto scene : {&chattering_scene, &bouncing_scene})
+    for (std::size_t index = 0; index < 18; ++index) {
+      const Case run = parse_scene(scene(82, index), "scene").run;
+      const auto truth = true_error(run);
+      const auto told = accuracy::quick_estimate(run, std::nullopt, 10.0);
+      if (!truth || !truth->sharp()) continue;
+      ASSERT_TRUE(told.estimate) << told.why_not << scene(82, index);
+      EXPECT_GT(told.estimate->total / truth->error, 1.0 / 3.0) << scene(82, index);
+    }
+}
+
 constexpr const char* thrown =
     "[bar]\nlength = 1.0\nviscosity = {}\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = \"obstacle\"\n"
     "gap = 0.1\n[initial]\ndisplacement = \"x*(1-x)\"\nvelocity = \"-x*(1-x)\"\n[time]\nend = 6.0\n"
     "[mesh]\nelements = 27\n[method]\nname = \"{}\"\n[output]\nevery = {}\n{}";
+
+// The truth is rigid on 8 and 16 times the elements, the reference of precision on more: the two errors differ by less
+// than a hundredth.
+TEST(Estimates, OfAChatterAreOfTheSizeOfItsErrorWhichPrecisionMeasures) {
+  Case run = parse_scene(fmt::format(thrown, 0.003, "cvode", 0.06, "[contact]\nepsilon = 1e-4\n"), "scene").run;
+  run.mass = Mass::consistent;
+  const auto truth = true_error(run);
+  ASSERT_TRUE(truth && truth->sharp());
+  PrecisionStudy study;
+  study.scene = run, study.methods = {MethodName::cvode}, study.tolerances = {1e-6}, study.repeat = 1;
+  const PrecisionResult measured = precision_of(study);
+  ASSERT_TRUE(measured.rows.size() == 1 && measured.rows[0].error);
+  EXPECT_NEAR(*measured.rows[0].error, truth->error, 0.01 * truth->error);
+  const double ratio = accuracy::quick_estimate(run, std::nullopt, 10.0).estimate->total / truth->error;
+  EXPECT_GT(ratio, 1.0 / 3.0);
+  EXPECT_LT(ratio, 3.0);
+}
 
 TEST(Estimates, OfCheckAndRunAreOneNumberAtAnyOutputInterval) {
   const Scratch scratch;

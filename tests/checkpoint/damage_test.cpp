@@ -143,6 +143,69 @@ TEST_F(Damage, OfAnyFileOfAStudyIsNoticed) {
   }
 }
 
+// One digit in a result is another one: nothing goes on from it, whoever reads. Outside of the result it is the user's.
+TEST_F(Damage, OfAResultIsRefusedByEachCommandThatReadsIt) {
+  const std::string measured =
+      bouncing +
+      "right.kind = \"free\"\nright.force = { file = \"out/ends.csv\", column = \"reaction_left\", interpolation = \"linear\" }\n";
+  write(scratch / "measured.toml", measured);
+  const std::vector<std::string> fit = {"fit", "scene.toml", "--parameters", "left.gap", "-q", "-o", "new"};
+  const auto with = [](std::vector<std::string> words, std::initializer_list<const char*> more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const struct {
+    std::string damaged;
+    std::vector<std::string> command;
+    int code;
+  } readers[] = {{"ends.csv", {"export", "out", "-o", "new"}, 1},
+                 {"ends.csv", {"compare", "out", "other", "-q", "-o", "new"}, 1},
+                 {"events.csv", {"compare", "other", "out", "-q", "-o", "new"}, 1},
+                 {"ends.csv", {"compare", "scene.toml", "--with", "out/ends.csv", "-q", "-o", "new"}, 2},
+                 {"summary.json", {"compare", "scene.toml", "--with", "out/ends.csv", "-q", "-o", "new"}, 2},
+                 {"ends.csv", with(fit, {"--data", "out/ends.csv"}), 2},
+                 {"events.csv", with(fit, {"--events", "out/events.csv"}), 2},
+                 {"ends.csv", {"run", "measured.toml", "-q", "-o", "new"}, 2},
+                 {"summary.json", {"run", "out/summary.json", "-q", "-o", "new"}, 2}};
+  record_run(scene, scratch / "out");
+  record_run(scene, scratch / "other");
+  for (const auto& [name, command, code] : readers) {
+    SCOPED_TRACE(command.front() + " " + name);
+    EXPECT_EQ(run(command), 0) << err();
+    fs::remove_all(scratch / "new");
+    const std::string sound = read_text(scratch / "out" / name);
+    std::string bytes = sound;
+    char& digit = bytes[bytes.find_last_of("123456", bytes.size() / 2)];
+    ++digit;
+    write(scratch / "out" / name, bytes);
+    EXPECT_EQ(run(command), code);
+    EXPECT_NE(err().find("is damaged: its checksum is not the one that was written"), std::string::npos) << err();
+    EXPECT_NE(err().find(name), std::string::npos) << err();
+    EXPECT_FALSE(fs::exists(scratch / "new"));
+    if (name == "ends.csv") {
+      write(scratch / "ours.csv", bytes);
+      EXPECT_EQ(run({"compare", "scene.toml", "--with", "ours.csv", "-q", "-o", "ours"}), 0) << err();
+    } else if (name == "summary.json") {
+      EXPECT_EQ(run({"info", "out"}), 0);
+      EXPECT_NE(read_text(scratch / "out.txt").find("its checksum is not the one"), std::string::npos);
+    }
+    write(scratch / "out" / name, sound);
+  }
+}
+
+TEST_F(Damage, OfASummaryIsToldByItsPlace) {
+  record_run(scene, scratch / "out");
+  const std::string sound = read_text(scratch / "out/summary.json");
+  std::string bytes = sound;
+  bytes[sound.find("\"method\"") - 4] = ';';  // the comma at the end of line 2
+  write(scratch / "out/summary.json", bytes);
+  EXPECT_EQ(run({"info", "out"}), 1);
+  EXPECT_EQ(err(), "viscobar: out/summary.json:2:22: is no JSON: ; cannot stand here\n");
+  write(scratch / "out/summary.json", sound.substr(0, sound.find("\"method\"")));
+  EXPECT_EQ(run({"info", "out"}), 1);
+  EXPECT_EQ(err(), "viscobar: out/summary.json:3:3: is no JSON: it ends before its last bracket closes\n");
+}
+
 TEST_F(Damage, OfAnUnfinishedRunIsNoticedUpToItsCheckpoint) {
   stop_in_the_middle(scratch / "out");
   ASSERT_EQ(verdict(verify_result(scratch / "out")), FileState::sound);

@@ -36,6 +36,8 @@ TEST_F(UnitsOfPages, AreAtEachHeadAndAxisAndNumbersHaveOneNotation) {
   } const pages[] = {
       {"run scene.toml -o run", "run/report.html", 8, 10, "reaction R [kg/(m s²)]"},
       {"run scene.toml -o other --set method.name=ida", "other/report.html", 8, 10, "time t [s]"},
+      {"run scene.toml -o slopes --sensitivity left.gap,bar.viscosity", "slopes/report.html", 8, 12,
+       "du / d bar.viscosity [m² s/kg]"},
       {"compare scene.toml --methods cvode,ida -o methods", "methods/compare.html", 20, 5, "u, L2 [m^1.5]"},
       {"compare run other -o results", "results/compare.html", 20, 5, "v, L2 [m^1.5/s]"},
       {"compare scene.toml --with run/ends.csv -o with", "with/judge.html", 9, 10, "at t [s]"},

@@ -171,14 +171,20 @@ TEST(Watchdog, LetsARunGoOnWhosePaceRecovers) {
 TEST(Watchdog, RefusesStepsThatLeadNowhereAndSaysWhetherContactsAreTheReason) {
   for (const auto& [changes, why] : {std::pair{0u, Failure::length}, {50u, Failure::chatter}}) {
     Watchdog guard(0.0, 1.0, 100, 1e4);
-    for (int k = 1; k < 100; ++k) guard.step(0.0, changes);
     try {
-      guard.step(0.0, changes);
+      for (int k = 1; k <= 100; ++k) guard.step(0.0, changes);
       FAIL();
     } catch (const StepFailure& failure) {
       EXPECT_EQ(failure.why, why) << failure.what();
     }
   }
+}
+
+// A step of 1e-11 for each change: the end is 1e11 steps away at each look, the second of which ends the run.
+TEST(Watchdog, RefusesAChatterWithoutEndAfterFortyThousandChanges) {
+  Watchdog guard(0.0, 1.0);
+  for (std::size_t k = 1; k < 40'000; ++k) ASSERT_NO_THROW(guard.step(1e-11 * static_cast<double>(k), k));
+  EXPECT_THROW(guard.step(4e-7, 40'000), StepFailure);
 }
 
 TEST(Watchdog, LetsARunReachItsEndHoweverSlowly) {

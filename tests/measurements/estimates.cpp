@@ -1,7 +1,8 @@
 // Errors of random throws as they are estimated, beside the true ones (see campaign/estimates.hpp): prints each scene
 // whose estimate is below a half of the error, and how the ratios are spread. Run:
 //     cmake --build --preset release --target measure_estimates && build/release/tests/measure_estimates [COUNT [SEED]]
-// `measure_estimates INDEX SEED show` prints a scene as a file.
+// `measure_estimates COUNT SEED chatter` takes bars that chatter, `bounces` those that bounce, with masses on their
+// ends. `measure_estimates INDEX SEED throws show`, or another kind for throws, prints a scene as a file.
 #include "campaign/estimates.hpp"
 
 #include <fmt/format.h>
@@ -37,14 +38,18 @@ int main(int count, char** words) {
     return count > i ? static_cast<std::size_t>(std::strtoull(words[i], nullptr, 10)) : otherwise;
   };
   const std::size_t scenes = argument(1, 1000), seed = argument(2, 1);
-  if (count > 3) {
-    fmt::print("{}", campaign::thrown_scene(seed, scenes));
+  const std::string kind = count > 3 ? words[3] : "";
+  const auto scene = kind == "chatter"   ? &campaign::chattering_scene
+                     : kind == "bounces" ? &campaign::bouncing_scene
+                                         : &campaign::thrown_scene;
+  if (count > 4) {
+    fmt::print("{}", scene(seed, scenes));
     return 0;
   }
   std::map<std::string, std::vector<double>> ratios;
   std::size_t blunt = 0, none = 0, exact = 0;
   for (std::size_t i = 0; i < scenes; ++i) {
-    const Case run = parse_scene(campaign::thrown_scene(seed, i), "scene").run;
+    const Case run = parse_scene(scene(seed, i), "scene").run;
     if (run.method == MethodName::characteristics && ++exact) continue;
     const auto truth = campaign::true_error(run);
     const auto told = accuracy::quick_estimate(run, std::nullopt, 10.0);
@@ -53,6 +58,7 @@ int main(int count, char** words) {
     const double ratio = told.estimate->total / truth->error;
     ratios["all"].push_back(ratio);
     ratios[fmt::format("`{}`{}", name(run.method), run.scene.span ? ", along the bar" : "")].push_back(ratio);
+    ratios[run.restitution ? fmt::format("restitution {}", *run.restitution) : "no restitution"].push_back(ratio);
     if (ratio < 0.5) {
       fmt::print("{}: {} on {} elements, error {:.2e}, estimate {:.2e} (space {:.1e}, penalty {:.1e}, time {:.1e})\n",
                  i, name(run.method), run.elements, truth->error, told.estimate->total, told.estimate->space,

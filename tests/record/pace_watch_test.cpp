@@ -7,7 +7,7 @@ namespace {
 
 // Ten steps at a time, a thousand are many.
 std::size_t warnings_of(double step, std::size_t steps) {
-  PaceWatch watch(0.0, 1.0, 10, 1000.0);
+  PaceWatch watch(0.0, 1.0, 10);
   std::size_t warnings = 0;
   for (std::size_t n = 1; n <= steps; ++n) warnings += watch.heard(static_cast<double>(n) * step).has_value();
   return warnings;
@@ -25,8 +25,14 @@ TEST(PaceWatch, IsSilentWhereTheEndIsNear) {
   EXPECT_EQ(warnings_of(1.0, 10), 0u);
 }
 
+TEST(PaceWatch, LooksAfterSomeSecondsOnAnyMesh) {
+  EXPECT_EQ(PaceWatch::some_seconds(2), 1'000'000u);
+  EXPECT_EQ(PaceWatch::some_seconds(1000), 100'000u);
+  EXPECT_EQ(PaceWatch::some_seconds(1'000'000), 1000u);
+}
+
 TEST(PaceWatch, SaysWhatToChange) {
-  PaceWatch watch(0.0, 1.0, 10, 1000.0);
+  PaceWatch watch(0.0, 1.0, 10);
   std::optional<std::string> said;
   for (int n = 1; n <= 10; ++n) said = watch.heard(1e-5 * n);
   ASSERT_TRUE(said);

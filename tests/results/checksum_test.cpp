@@ -1,10 +1,11 @@
-#include "results/checksum.hpp"
+#include "input/checksum.hpp"
 
 #include <gtest/gtest.h>
 
 #include <boost/crc.hpp>
 #include <random>
 
+#include "results/output_file.hpp"
 #include "support/scratch.hpp"
 #include "viscobar/results/io_error.hpp"
 

@@ -48,10 +48,7 @@ MethodRun read_run(const std::string& name, SceneFile& scene, Json& contact) {
   settle_result_directory(place);
   if (!fs::exists(place / "summary.json"))
     throw std::invalid_argument(name + " holds no result of `viscobar run`: there is no summary.json");
-  for (const VerifiedFile& file : verify_result(place))
-    if (file.state == FileState::damaged)
-      throw std::invalid_argument(
-          fmt::format("{}: is damaged: {}; nothing was compared", (place / file.name).string(), file.reason));
+  check_sound(place, "compared");
   const std::string summary = input_text(place / "summary.json");
   const Json told = Json::parse(summary);
   contact = told.value("contact", Json::object());

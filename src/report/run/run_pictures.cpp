@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "input/unit_of_key.hpp"
 #include "report/run/run_page.hpp"
 #include "report/scene_ends.hpp"
 #include "scene/unit_names.hpp"
@@ -160,7 +161,10 @@ Picture sensitivities(const Case& run, const ReportData& data) {
     const auto& [left, right] = data.sensitivities[k];
     const std::string& key = run.directions[k].key;
     picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key,
-                              over_time(run, data, "du / d " + key, 220.0,
+                              over_time(run, data,
+                                        with_unit("du / d " + key, unit_name(run.scene.units, Dimension::length,
+                                                                             unit_of_key(key, run.scene))),
+                                        220.0,
                                         {{left.points(), {plot::series_colour(0)}, "left end"},
                                          {right.points(), {plot::series_colour(1)}, "right end"}})});
   }

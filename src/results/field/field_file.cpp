@@ -180,17 +180,9 @@ void FieldFile::describe(const FieldOrigin& of) {
   for (const auto& [key, per] : of.keys)
     for (const auto& [name, words, quantity] :
          {u, v, Meaning{"reaction_left", "reaction at the left end", Dimension::stress},
-          Meaning{"reaction_right", "reaction at the right end", Dimension::stress}}) {
-      std::string unit_of_quotient;
-      if (per) {
-        UnitPowers powers = unit_powers(quantity);
-        for (std::size_t k = 0; k < powers.size(); ++k) powers[k] -= (*per)[k];
-        const bool number = powers == UnitPowers{} && !named_units(of.units).empty();
-        unit_of_quotient = number ? "1" : unit_name(of.units, powers);
-      }
+          Meaning{"reaction_right", "reaction at the right end", Dimension::stress}})
       of_dataset("sensitivity/" + key + "/" + name, fmt::format("derivative with respect to {}: {}", key, words),
-                 unit_of_quotient);
-    }
+                 unit_name(of.units, quantity, per));
 }
 
 void FieldFile::take_place() {

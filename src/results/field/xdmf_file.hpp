@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "results/checksum.hpp"
+#include "input/checksum.hpp"
 
 namespace viscobar {
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -23,9 +22,5 @@ struct Checksum {
   bool operator==(const Checksum&) const = default;
   static void members(auto& self, auto&& each) { each(self.bytes, self.crc64); }
 };
-
-/// Checksum of `length` bytes of a file from `begin` on, or of as many as there are. @throws IoError when it cannot be
-/// read
-Checksum checksum_of_file(const std::filesystem::path& file, std::uint64_t begin = 0, std::uint64_t length = ~0ull);
 
 }  // namespace viscobar

@@ -1,15 +1,7 @@
-#include "results/checksum.hpp"
+#include "input/checksum.hpp"
 
 #include <fmt/format.h>
 #include <lzma.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <fstream>
-#include <system_error>
-#include <vector>
-
-#include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
 
@@ -17,20 +9,20 @@ namespace {
 
 // Polynomials over GF(2) modulo that of ECMA-182, the coefficient of x^0 in the highest bit.
 using Polynomial = std::uint64_t;
-constexpr Polynomial modulus = 0xC96C5795D7870F42, one = Polynomial{1} << 63;
+constexpr Polynomial modulus = 0xC96C5795D7870F42, x_to_0 = Polynomial{1} << 63;
 
 constexpr Polynomial times_x(Polynomial a) { return a & 1 ? a >> 1 ^ modulus : a >> 1; }
 
 constexpr Polynomial product(Polynomial a, Polynomial b) {
   Polynomial sum = 0;
   for (; a != 0; a <<= 1, b = times_x(b))
-    if (a & one) sum ^= b;
+    if (a & x_to_0) sum ^= b;
   return sum;
 }
 
 // The register after so many zero bytes: its product with x^(8 count).
 constexpr Polynomial behind_zeros(Polynomial state, std::uint64_t count) {
-  for (Polynomial power = one >> 8; count != 0; count >>= 1, power = product(power, power))
+  for (Polynomial power = x_to_0 >> 8; count != 0; count >>= 1, power = product(power, power))
     if (count & 1) state = product(state, power);
   return state;
 }
@@ -56,20 +48,5 @@ Checksum Checksum::of(std::string_view bytes) {
 Checksum Checksum::of_zeros(std::uint64_t count) { return {count, ~behind_zeros(~std::uint64_t{0}, count)}; }
 
 std::string Checksum::digits() const { return fmt::format("{:016x}", crc64); }
-
-Checksum checksum_of_file(const std::filesystem::path& file, std::uint64_t begin, std::uint64_t length) {
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  stream.seekg(static_cast<std::streamoff>(begin));
-  Checksum sum;
-  std::vector<char> block(1 << 18);
-  while (stream && sum.bytes < length) {
-    stream.read(block.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(block.size(), length - sum.bytes)));
-    sum.add({block.data(), static_cast<std::size_t>(stream.gcount())});
-  }
-  if (stream.bad() || (!stream && !stream.eof()))
-    throw IoError(file, "cannot be read: " + std::generic_category().message(errno));
-  return sum;
-}
 
 }  // namespace viscobar
