@@ -10,7 +10,7 @@
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
-namespace viscobar {
+namespace viscobar::chain_bodies {
 namespace {
 
 Recording run_of(const std::string& text, const std::vector<std::string>& settings = {}) {
@@ -146,4 +146,4 @@ TEST(RigidBodies, WhatIsNotTakenIsSaid) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::chain_bodies

@@ -10,7 +10,7 @@
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
-namespace viscobar {
+namespace viscobar::chain_ends {
 namespace {
 
 using Settings = std::vector<std::string>;
@@ -206,4 +206,4 @@ TEST(MovedChains, HaveTheDerivativesOfDifferences) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::chain_ends

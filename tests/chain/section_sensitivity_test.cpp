@@ -10,7 +10,7 @@
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
-namespace viscobar {
+namespace viscobar::section_derivatives {
 namespace {
 
 // d/dp by differences over 4e-4 of p, of fourth order: wrong by some 1e-13 of it and 1e-11 / 1e-4 of the runs. The
@@ -84,4 +84,4 @@ TEST(SectionSensitivities, OfBarsInLineAreDifferencesOfRuns) {
 }
 
 }  // namespace
-}  // namespace viscobar
+}  // namespace viscobar::section_derivatives
