@@ -18,7 +18,7 @@ constexpr std::string_view seal_zeros = "0000000000000000", seal_begin = "\"crc6
 
 }  // namespace
 
-std::string sealed(std::string text) {
+std::string with_seal(std::string text) {
   return text.replace(text.size() - seal_end.size() - seal_zeros.size(), seal_zeros.size(),
                       Checksum::of(text).digits());
 }

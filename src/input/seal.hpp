@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "input/checksum.hpp"
+#include "text/checksum.hpp"
 
 namespace viscobar {
 
@@ -17,7 +17,7 @@ using FileChecksums = std::map<std::string, Checksum>;
 ///     "crc64": that of this text with sixteen zeros in its place
 ///
 /// which `text` has there.
-std::string sealed(std::string text);
+std::string with_seal(std::string text);
 
 enum class Seal {
   sound,

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "input/checksum.hpp"
+#include "text/checksum.hpp"
 
 namespace viscobar {
 

@@ -167,7 +167,7 @@ std::string sealed_summary(Json summary, const FileChecksums& files) {
   Json& list = summary["files"] = Json::object();
   for (const auto& [name, sum] : files) list[name] = {{"bytes", sum.bytes}, {"crc64", sum.digits()}};
   summary["crc64"] = Checksum{}.digits();
-  return sealed(json_text(summary));
+  return with_seal(json_text(summary));
 }
 
 std::string sealed_summary(const std::string& summary, const FileChecksums& files) {

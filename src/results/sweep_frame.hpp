@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "input/checksum.hpp"
+#include "text/checksum.hpp"
 
 namespace viscobar {
 

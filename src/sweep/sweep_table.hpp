@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "input/checksum.hpp"
 #include "results/field/hdf5_handle.hpp"
+#include "text/checksum.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {

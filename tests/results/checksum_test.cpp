@@ -1,4 +1,4 @@
-#include "input/checksum.hpp"
+#include "text/checksum.hpp"
 
 #include <gtest/gtest.h>
 

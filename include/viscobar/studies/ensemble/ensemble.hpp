@@ -77,14 +77,14 @@ struct EnsembleStudy {
 /// The bars in the order of the values. Nothing in it depends on the number of threads, nor on which other bars there
 /// are.
 struct EnsembleResult {
-  std::size_t bars = 0;                     ///< N
-  std::vector<EnsembleOutput> outputs;      ///< in the order of the study
-  /// Of each output: N x its width; NaN where a bar has none; fewer where it was stopped before the first bar.
+  std::size_t bars = 0;                 ///< N
+  std::vector<EnsembleOutput> outputs;  ///< in the order of the study
+  /// Values of each output: N x its width; NaN where a bar has none; fewer where it was stopped before the first bar.
   std::vector<std::vector<double>> values;
-  std::vector<BarStatus> status;            ///< N
-  std::vector<BarWay> ways;                 ///< N
-  std::vector<double> error;                ///< N: the estimate, as EnsembleStudy::error; NaN without one
-  std::vector<std::size_t> steps;           ///< N: of the run that is told
+  std::vector<BarStatus> status;   ///< N
+  std::vector<BarWay> ways;        ///< N
+  std::vector<double> error;       ///< N: the estimate, as EnsembleStudy::error; NaN without one
+  std::vector<std::size_t> steps;  ///< N: of the run that is told
   /// Why bars failed or are faulty, of the first hundred.
   std::vector<std::pair<std::size_t, std::string>> messages;
 };

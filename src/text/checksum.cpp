@@ -1,4 +1,4 @@
-#include "input/checksum.hpp"
+#include "text/checksum.hpp"
 
 #include <fmt/format.h>
 #include <lzma.h>
