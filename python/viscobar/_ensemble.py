@@ -39,6 +39,8 @@ def at_a_time(threads: Any) -> int:
 def telling(progress: Progress, unit: str) -> Iterator[Callable[[int, int], Any] | None]:
     """A function that is told how many are done of how many; for True it moves a bar of tqdm."""
     if progress is not True:
+        if progress and not callable(progress):
+            raise TypeError(f"progress: a function of two numbers, or True, is wanted, not {progress!r}")
         yield progress or None
         return
     from tqdm import tqdm
@@ -144,6 +146,8 @@ def ensemble(
     arrays = [np.broadcast_to(row, shape if row.ndim else ()).ravel() for row in rows.values()]
     text = Scene.toml(as_scene(scene, None, set))
     outputs = [outputs] if isinstance(outputs, str) else list(outputs)
+    if wrong := [one for one in outputs if not isinstance(one, str)]:
+        raise TypeError(f'outputs: texts such as "u_left@0.1" are wanted, not {wrong[0]!r}')
     with telling(progress, "bar") as told:
         result = _core.ensemble(text, list(rows), arrays, outputs, _share(error), at_a_time(threads), told)
     return Ensemble(result, shape)

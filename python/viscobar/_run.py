@@ -310,7 +310,10 @@ def _times(times: Any, end: float) -> list[float]:
     """Output times of one's own."""
     if np.ma.is_masked(times) or np.iscomplexobj(times):
         raise ValueError("times: masked or complex numbers")
-    values = np.asarray(times, dtype=float)
+    try:
+        values = np.asarray(times, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"times: no numbers: {error}") from None
     if values.ndim != 1 or values.size == 0:
         raise ValueError(f"times: a row of numbers is wanted, not an array of shape {values.shape}")
     if not np.all(np.diff(values) > 0.0) or not (values[0] >= 0.0 and values[-1] <= end):

@@ -251,9 +251,13 @@ def is_row(value: Any) -> bool:
     return isinstance(value, (tuple, list, np.ndarray)) and not is_sampled(value)
 
 
+def _may_be_sampled(name: str) -> bool:
+    return name in SAMPLED or re.fullmatch(r"bar\.[1-9][0-9]*\.(displacement|velocity)", name) is not None
+
+
 def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
     """The table of a series of places, or times, and values."""
-    if name not in SAMPLED:
+    if not _may_be_sampled(name):
         raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
     try:
         parts = [np.ma.asarray(part) for part in (places, values)]
@@ -272,7 +276,7 @@ def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
 
 
 def _place_of(name: str) -> str:
-    return "x" if name.startswith("initial.") or name == "load.profile" else "t"
+    return "x" if name.startswith(("initial.", "bar.")) or name == "load.profile" else "t"
 
 
 def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -299,9 +303,9 @@ def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> t
                 raise SceneError([Finding(name, f"has {len(value)} values for the {len(nodes)} nodes of the mesh",
                                           "places of its own are given as a pair of arrays, (places, values)")])  # fmt: skip
             value = (nodes, value)
-        if is_sampled(value) and (name in SAMPLED or not all(isinstance(part, str) for part in value)):
+        if is_sampled(value) and (_may_be_sampled(name) or not all(isinstance(part, str) for part in value)):
             return f"{_key(key)} = {_value(name, samples(name, *value))}\n"
-        if isinstance(value, Mapping) and name in SAMPLED and {_place_of(name), "values"} <= value.keys():
+        if isinstance(value, Mapping) and _may_be_sampled(name) and {_place_of(name), "values"} <= value.keys():
             value = {**value, **samples(name, value[_place_of(name)], value["values"])}
         if callable(value):
             if name not in FUNCTIONS:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import os
+import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -389,8 +390,7 @@ def fit(
     text = Scene.toml(as_scene(scene, None, set))
     parameters = _listed(parameters)
     with tempfile.TemporaryDirectory() as directory:
-        printed, page = _core.fit(
-            text,
+        request = (
             _measured(data, os.path.join(directory, "data.csv")),
             _measured(events, os.path.join(directory, "events.csv")),
             list(parameters),
@@ -399,6 +399,13 @@ def fit(
             starts,
             runs,
         )
+        try:
+            printed, page = _core.fit(text, *request)
+        except ValueError as error:  # the options of the program are arguments here
+            if isinstance(error, SceneError):
+                raise
+            said = str(error).replace("--deviation", "deviations")
+            raise ValueError(re.sub(r"--([a-z])", r"\1", said)) from None
     summary = json.loads(printed)
     return Fit([{"key": key, **told} for key, told in summary["parameters"].items()], summary, page)
 

@@ -61,6 +61,11 @@ class KeysTest(Test):
         # The bars meet at t = gap / speed, and nothing else changes.
         self.assertAlmostEqual(rates["joint.1.gap"]["contact_times"][0], 1.0, 9)
 
+    def test_of_a_bar_take_samples(self):
+        x = np.linspace(0.0, 1.0, 11)
+        formula, sampled = (viscobar.run(chain(), set={"bar.1.velocity": value}) for value in ("1+x", (x, 1 + x)))
+        self.assertLess(np.abs(formula.u - sampled.u).max(), 1e-6)
+
     def test_of_a_table_are_laid_over_it(self):
         scene = viscobar.Scene(thrown())
         other = scene.changed({"bar": {"viscosity": 0.2}, "left": {"contact": {"law": "hertz"}}})

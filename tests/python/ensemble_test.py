@@ -25,7 +25,7 @@ class EnsembleTest(Test):
     def test_numbers_alone_are_one_bar_without_an_axis(self):
         one = viscobar.ensemble(scene(), {"left.gap": 0.1}, ["impulse_left", "u_left@1"], error=0.01)
         self.assertEqual((one["impulse_left"].shape, one["u_left@1"].shape, one.status.shape), ((), (4,), ()))
-        row = viscobar.ensemble(scene(), {"left.gap": [0.1]}, ["impulse_left"], error=0.01)
+        row = viscobar.ensemble(scene(), {"left.gap": [0.1]}, ["impulse_left", "u_left@1"], error=0.01)
         self.assertEqual(row["impulse_left"].shape, (1,))
         self.assertEqual(one["impulse_left"], row["impulse_left"][0])
 
@@ -33,16 +33,21 @@ class EnsembleTest(Test):
         for keys, options, kind, words in (
             ({"left.gap": 0.1}, {"threads": -1}, ValueError, "^threads: must not be negative, is -1"),
             ({"left.gap": 0.1}, {"threads": 1.5}, TypeError, "^threads: a whole number is wanted.*not 1.5"),
+            ({"left.gap": 0.1}, {"progress": 3}, TypeError, "^progress: a function"),
             ({"left.gap": 0.1}, {"error": "much"}, ValueError, '^error: "much" is neither a number nor a percentage'),
             ({"left.gap": 0.1}, {"error": -1.0}, ValueError, "^error: a positive number"),
             ({"left.gap": [0.1j]}, {}, ValueError, "^left.gap: complex numbers"),
             ({"left.gap": "wide"}, {}, ValueError, "^left.gap: no numbers"),
             ({"left.gap": [0.1, 0.2], "bar.viscosity": [0.1] * 3}, {}, ValueError, r"left.gap \(2,\), bar.viscosity \(3,\)"),
             ({"left.gap": []}, {}, ValueError, "^left.gap: no values"),
-            ({"left.gapp": [0.1]}, {}, viscobar.SceneError, '^left.gapp: unknown key; nearest is "gap"'),
+            ({"left.gapp": [0.1]}, {}, ValueError, 'left.gapp: unknown key; nearest is "gap"'),
         ):
             with self.subTest(words), self.assertRaisesRegex(kind, words):
                 viscobar.ensemble(scene(), keys, ["impulse_left"], **options)
+        with self.assertRaisesRegex(TypeError, "^outputs: texts .* not 3"):
+            viscobar.ensemble(scene(), {"left.gap": 0.1}, ["final", 3])
+        with self.assertRaisesRegex(ValueError, "^parameters: the scene gives no number for left.stiffness"):
+            viscobar.fit(scene(), ["left.stiffness"], data={"t": [0.0, 1.0], "u_left": [0.0, 0.0]})
         said = viscobar.ensemble(scene(), {"left.gap": [0.1, -1.0]}, ["impulse_left"]).messages[1]
         self.assertEqual(said, "left.gap: must not be negative, is -1")
 
@@ -66,7 +71,7 @@ class ErrorsOnRequestTest(Test):
         for row in rows:
             exact = viscobar.run(scene(), set={"left.gap": row["left.gap"], "mesh.elements": None}, error=1e-3)
             self.assertEqual(row["impulse_left"], exact.summary["contact"]["left"]["impulse"])
-        self.assertEqual(viscobar.sweep(thrown(), {"left.gap": [-1.0]})[0]["error"], "left.gap: must not be negative, is -1")
+        self.assertEqual(viscobar.sweep(thrown(), {"left.gap": [0.1, -1.0]})[1]["error"], "left.gap: must not be negative, is -1")
 
 
 if __name__ == "__main__":
