@@ -76,7 +76,7 @@ class Scene(dict):
             scene._set(key, value)
         for end in ("left", "right"):
             kind = settings.get(f"{end}.kind")
-            if kind in _core.end_kinds:
+            if isinstance(kind, str) and kind in _core.end_kinds:
                 for leaf, value in list(scene[end].items()):
                     name = f"{leaf}." if isinstance(value, Mapping) and leaf == "contact" else leaf
                     known = any(_core.belongs_to_end(one, name) for one in _core.end_kinds)
@@ -89,9 +89,7 @@ class Scene(dict):
         """One value. What has no place in the scene stays beside it under its own name, for the library to judge."""
         name, *rest = key.split(".")
         if not rest:
-            self[name] = _copied(value)
-            if value is None:
-                del self[name]
+            _put(self, name, _copied(value))
             return
         if _is_member(key):
             table, rest = self._member(name, int(rest[0])), rest[1:]
@@ -108,9 +106,9 @@ class Scene(dict):
             return  # nothing to take away from bars in line
         if not isinstance(table, dict) or not rest:
             raise SceneError([Finding(key, f"is {table!r}, not a table" if rest else "is a table; its keys are set one by one")])
-        table[".".join(rest)] = value
-        if value is None:
-            del table[".".join(rest)]
+        _put(table, ".".join(rest), value)
+        if not self.get(name, True):
+            del self[name]  # a table without keys is none
 
     def _member(self, name: str, k: int) -> Any:
         """The table of bar k, or joint k, of several."""
@@ -144,11 +142,18 @@ class Scene(dict):
         return f"Scene({dict(self)!r})"
 
 
+def _put(table: dict[str, Any], key: str, value: Any) -> None:
+    if value is None:
+        table.pop(key, None)
+    else:
+        table[key] = value
+
+
 def _copied(value: Any) -> Any:
     """A table, or the tables of several bars, copied."""
     if isinstance(value, Mapping):
         return dict(value)
-    if isinstance(value, list) and any(isinstance(one, Mapping) for one in value):
+    if isinstance(value, (list, tuple)) and any(isinstance(one, Mapping) for one in value):
         return [dict(one) if isinstance(one, Mapping) else one for one in value]
     return value
 

@@ -16,7 +16,7 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view override_source = "--set";
-// Of a value that comes as such, and not as the text of an option.
+// The place of a value that comes as such, and not as the text of an option.
 constexpr TextPosition nowhere{0, 0};
 
 std::size_t index_of(const SceneKey& key) { return static_cast<std::size_t>(&key - scene_keys().data()); }
