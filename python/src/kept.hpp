@@ -74,10 +74,10 @@ class Run : public Kept {
   Setup setup_;
   BarSystem system_;
   Outcome outcome_;
-  std::vector<double> span_;    // reactions of a span obstacle at the output times
-  std::vector<double> joints_;  // forces of the joints at the output times, row by row
-  std::vector<double> kept_times_,
-      all_times_;  // those asked for, and those with the first and the last; empty: the scene's
+  std::vector<double> span_;        // reactions of a span obstacle at the output times
+  std::vector<double> joints_;      // forces of the joints at the output times, row by row
+  std::vector<double> kept_times_;  // that were asked for; empty: those of the scene
+  std::vector<double> all_times_;   // and the first and the last of the run
   bool stopping_ = false;
 };
 

@@ -1,7 +1,5 @@
 // viscobar._core: results on the disk, and the tables of a run that are not kept but made.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "input/input_text.hpp"
 #include "kept.hpp"
@@ -69,7 +67,7 @@ void Run::replay(const std::function<void(const Snapshot&)>& snapshot,
 void Run::save(const std::string& directory, const std::string& summary) const {
   const ResultDirectory results(directory, ResultKind::run);
   SceneFile whole = case_.scene;
-  whole.run.files = {};
+  whole.run.files = {};  // all of them, whatever output.write says
   GrowingFiles files(results.path(), whole);
   files.take_places();
   replay([&](const Snapshot& at) { files.append(at); }, [&](const Event& event) { files.append(event); });

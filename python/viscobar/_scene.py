@@ -107,8 +107,11 @@ class Scene(dict):
         if not isinstance(table, dict) or not rest:
             raise SceneError([Finding(key, f"is {table!r}, not a table" if rest else "is a table; its keys are set one by one")])
         _put(table, ".".join(rest), value)
+        # A table without keys is none.
+        if name in ("left", "right") and self[name].get("contact") == {}:
+            del self[name]["contact"]
         if not self.get(name, True):
-            del self[name]  # a table without keys is none
+            del self[name]
 
     def _member(self, name: str, k: int) -> Any:
         """The table of bar k, or joint k, of several."""

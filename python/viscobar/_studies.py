@@ -7,13 +7,14 @@ import json
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._errors import Finding, SceneError
+from ._errors import Finding, RunWarning, SceneError
 from ._ensemble import Progress, at_a_time, telling
 from ._run import Recorded
 from ._scene import Scene, SceneLike, as_scene, parse
@@ -260,6 +261,8 @@ def limit(
     with telling(progress, "run") as told:
         text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, at_a_time(threads), told)
     summary = json.loads(text)
+    if (estimate := summary.get("error_estimate")) and not estimate["kept"]:
+        warnings.warn("limit: the error that was asked for is not kept at epsilon = 0", RunWarning, stacklevel=2)
     return Study(summary["rows"], summary, page)
 
 

@@ -74,6 +74,7 @@ class KeysTest(Test):
         self.assertEqual((scene, scene.changed({"bar": {"viscosity": None}})["bar"]), (thrown(), {"length": 1.0}))
         self.assertEqual(chain().changed({"bar.1": {"modulus": 2.0}})["bar"][0], {**chain()["bar"][0], "modulus": 2.0})
         self.assertNotIn("contact", scene.changed({"contact": None}))
+        self.assertEqual(other.changed({"left.contact.law": None}), other.changed({"left.contact": None}))
         self.assertNotIn("load", viscobar.Scene(thrown(load__density="x")).changed({"load.density": None}))
 
     def test_of_an_end_go_with_its_kind(self):
