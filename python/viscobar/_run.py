@@ -97,8 +97,11 @@ class Recorded:
     def __reduce__(self) -> Any:
         return Recorded, (Arrays(self._core),)
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> Recorded:
+    def __copy__(self) -> Recorded:
         return Recorded(self._core)  # whose arrays do not change
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Recorded:
+        return Recorded(self._core)
 
     @cached_property
     def ends(self) -> dict[str, np.ndarray]:
@@ -267,6 +270,9 @@ class Result(Recorded):
 
     def __reduce__(self) -> Any:
         return _stored, (self._files(),)
+
+    def __copy__(self) -> Result:
+        return Result(self._core, self.scene)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Result:
         return Result(self._core, copy.deepcopy(self.scene, memo))

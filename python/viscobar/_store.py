@@ -16,7 +16,7 @@ from . import _core
 
 
 class Directory(Mapping[str, bytes]):
-    """The files of a directory by their names, read when they are asked for."""
+    """The files of a directory, and of its folders, by their names, read when they are asked for."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = pathlib.Path(path).absolute()
@@ -31,7 +31,7 @@ class Directory(Mapping[str, bytes]):
         return (self.path / str(name)).is_file()
 
     def __iter__(self) -> Iterator[str]:
-        return (one.name for one in sorted(self.path.iterdir()) if one.is_file())
+        return (one.relative_to(self.path).as_posix() for one in sorted(self.path.rglob("*")) if one.is_file())
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -118,9 +118,10 @@ class Stored:
         return self.files["report.html"].decode()
 
     def save(self, directory: str, _: str) -> None:
-        os.makedirs(directory, exist_ok=True)
         for name, content in self.files.items():
-            (pathlib.Path(directory) / name).write_bytes(content)
+            file = pathlib.Path(directory) / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(content)
 
 
 SENSITIVITIES = ("u", "v", "reaction_left", "reaction_right")

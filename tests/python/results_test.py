@@ -62,7 +62,9 @@ class KeptTest(Test):
         with tempfile.TemporaryDirectory() as directory:
             for scene in ("chatter.toml", "hopkinson.toml"):
                 out = pathlib.Path(directory) / scene
-                program("run", SCENES / scene, "-o", out, "--quiet", "--no-estimate")
+                program("run", SCENES / scene, "-o", out, "--quiet", "--no-estimate", "--figures")
+                viscobar.open(out).save(f"{out}.copy")
+                self.assertIn("sound", program("info", "--verify", f"{out}.copy"))
                 opened, result = viscobar.open(out), viscobar.run(SCENES / scene)
                 self.same_field(opened, result)
                 ours, theirs = ({**one.ends, **one.joints, **one.gauges} for one in (result, opened))
@@ -102,7 +104,9 @@ class KeptTest(Test):
         self.check(result, pickled)
         self.assertIn("function", pickled.scene["initial"]["velocity"])
         self.check(result, pickle.loads(pickle.dumps(pickled)))
-        self.check(result, copy.deepcopy(result))
+        for other in (copy.copy(result), copy.deepcopy(result)):
+            self.check(result, other)
+        self.assertIsNot(copy.deepcopy(result).scene["bar"], result.scene["bar"])
         compared = viscobar.compare(thrown(), ["rigid", "cvode"])
         for other in (pickle.loads(pickle.dumps(compared)), copy.deepcopy(compared)):
             self.assertEqual((list(other), other.summary, list(other.runs)), (list(compared), compared.summary, list(compared.runs)))
