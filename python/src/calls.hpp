@@ -152,9 +152,11 @@ class Signals {
   Clock::time_point looked_ = Clock::now(), next_ = looked_ + std::chrono::milliseconds(20);
 };
 
-/// A view of rows of numbers that `owner` keeps.
+/// A view of rows of numbers that `owner` keeps, which nobody may write to.
 inline py::array_t<double> view(const double* values, std::vector<py::ssize_t> shape, const py::handle& owner) {
-  return py::array_t<double>(std::move(shape), values, owner);
+  py::array_t<double> all(std::move(shape), values, owner);
+  py::detail::array_proxy(all.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return all;
 }
 
 }  // namespace viscobar::python

@@ -7,6 +7,7 @@
 #include "input/input_text.hpp"
 #include "kept.hpp"
 #include "results/csv.hpp"
+#include "scene/end_kinds.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "viscobar/results/io_error.hpp"
 #include "viscobar/results/versions.hpp"
@@ -137,10 +138,6 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
 
 // Values of a case that a scheme of one's own reads.
 
-std::string end_kind(const EndCondition& end) {
-  return is_obstacle(end) ? "obstacle" : is_fixed(end) ? "fixed" : "free";
-}
-
 std::optional<std::string> end_side(const EndCondition& end) {
   const auto* obstacle = std::get_if<Obstacle>(&end);
   return obstacle ? std::optional(std::string(name(obstacle->side))) : std::nullopt;
@@ -176,10 +173,6 @@ py::array_t<double> load_at(const PythonCase& self, double t) {
     if (std::exchange(first, false)) factor = separable.history(t);
     return factor * separable.profile(x);
   });
-}
-
-py::array_t<double> array_of(const std::vector<double>& values) {
-  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
 using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -238,9 +231,10 @@ J is the number of elements, K that of the output times. Units are those of the 
       .def_property_readonly("density", value([](const Case& run) { return run.scene.bar.density; }), "rho.")
       .def_property_readonly("modulus", value([](const Case& run) { return run.scene.bar.modulus; }), "E.")
       .def_property_readonly("viscosity", value([](const Case& run) { return run.scene.bar.viscosity; }), "eta.")
-      .def_property_readonly("left", value([](const Case& run) { return end_kind(run.scene.left); }),
+      .def_property_readonly("left", value([](const Case& run) { return std::string(end_kind(run.scene.left).name); }),
                              "Kind of the end x = 0: obstacle, free or fixed.")
-      .def_property_readonly("right", value([](const Case& run) { return end_kind(run.scene.right); }),
+      .def_property_readonly("right",
+                             value([](const Case& run) { return std::string(end_kind(run.scene.right).name); }),
                              "Likewise of x = L.")
       .def_property_readonly(
           "left_gap", value([](const Case& run) { return end_gap(run.scene.left); }),
@@ -324,8 +318,10 @@ void bind_runs(py::module_& m) {
       });
   py::class_<Run, Kept, std::shared_ptr<Run>>(m, "Run")
       .def(py::init<PythonCase>())
-      .def("go", [](const py::object& self, py::object observer,
-                    py::object on_event) { self.cast<Run&>().go(self, std::move(observer), std::move(on_event)); })
+      .def("go",
+           [](const py::object& self, py::object observer, py::object on_event, const std::vector<double>& times) {
+             self.cast<Run&>().go(self, std::move(observer), std::move(on_event), times);
+           })
       .def_property_readonly("ending",
                              [](const Run& self) {
                                constexpr const char* names[] = {"completed", "failed", "refused", "interrupted"};
@@ -345,27 +341,11 @@ void bind_runs(py::module_& m) {
                                return py::make_tuple(py::array_t<double>(py::cast(moduli)),
                                                      py::array_t<double>(py::cast(viscosities)));
                              })
-      .def("gauges",
-           [](const Run& self) {
-             const Case& run = self.scene().scene.run;
-             const std::vector<std::string> names = gauge_columns(run.gauges);
-             const auto rows = static_cast<py::ssize_t>(self.rows());
-             std::vector<py::array_t<double>> columns(names.size());
-             for (auto& column : columns) column = py::array_t<double>(rows);
-             const std::vector<Gauge> gauges = make_gauges(run.gauges, self.recording.mesh, run.scene);
-             for (std::size_t k = 0; k < self.rows(); ++k)
-               for (std::size_t i = 0; i < gauges.size(); ++i) {
-                 const auto [u, v, strain, stress] =
-                     gauges[i](self.recording.displacement(k), self.recording.velocity(k));
-                 const double values[] = {u, v, strain, stress};
-                 for (std::size_t q = 0; q < 4; ++q) columns[4 * i + q].mutable_data()[k] = values[q];
-               }
-             py::dict all;
-             for (std::size_t i = 0; i < names.size(); ++i) all[py::str(names[i])] = columns[i];
-             return all;
-           })
       .def("summary", &Run::summary)
       .def("page", &Run::page)
+      .def("save", &Run::save)
+      .def("gauges", &Run::gauges)
+      .def("joints", &Run::joints)
       .def("energies", [](const Run& self) {
         py::list columns;
         for (const auto& column : self.energies()) columns.append(array_of(column));
@@ -386,7 +366,12 @@ PYBIND11_MODULE(_core, m) {
   bind_runs(m);
   m.def("text_of", [](const std::string& file) { return input_text(file); });
   m.def("parse", &parse, py::arg("text"), py::arg("source"), py::arg("functions"), py::arg("study") = "run");
+  m.def("belongs_to_end", &belongs_to_end);
+  py::list kinds;
+  for (const EndKind& kind : end_kinds) kinds.append(std::string(kind.name));
+  m.attr("end_kinds") = kinds;
   m.def("recorded", &recorded);
+  bind_results(m);
   bind_studies(m);
 }
 

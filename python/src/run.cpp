@@ -65,21 +65,21 @@ void NodalDensity::evaluate(double t) const {
 
 namespace {
 
-SceneError too_large(const Case& run, double bytes) {
+SceneError too_large(const Case& run, std::size_t rows, double bytes) {
   return SceneError({{"", 0, 0, "output.every",
                       fmt::format("keeps {} output times of {} nodes in memory, {:.0f} GB; take a larger one, or fewer "
                                   "elements",
-                                  run.output_times().size(), run.mesh().nodes(), bytes / 1e9)}});
+                                  rows, run.mesh().nodes(), bytes / 1e9)}});
 }
 
 }  // namespace
 
-Observers filling(Recording& recording, const Case& run) {
+Observers filling(Recording& recording, const Case& run, std::size_t rows) {
   recording.label = name(run.method);
   recording.mesh = run.mesh();
-  const std::size_t rows = run.output_times().size(), values = rows * recording.mesh.nodes();
+  const std::size_t values = rows * recording.mesh.nodes();
   const double bytes = 2.0 * sizeof(double) * static_cast<double>(values);
-  if (bytes > memory_limit()) throw too_large(run, bytes);
+  if (bytes > memory_limit()) throw too_large(run, rows, bytes);
   for (auto* column : {&recording.times, &recording.reaction_left, &recording.reaction_right}) column->reserve(rows);
   recording.u.reserve(values);
   recording.v.reserve(values);
@@ -93,7 +93,7 @@ Observers filling(Recording& recording, const Case& run) {
 
 Recording record_until(const Case& run, const std::function<bool()>& stop) {
   Recording recording;
-  Observers observers = filling(recording, run);
+  Observers observers = filling(recording, run, run.output_times().size());
   observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
   recording.statistics = simulate(resolve(run), observers);
   if (!recording.statistics.completed) throw Interrupted();
@@ -106,11 +106,13 @@ Run::Run(PythonCase run) : case_(std::move(run)), setup_(resolve(case_.scene.run
 // knows of stopping is here and in record_until().
 Observers Run::observers(py::object& self, py::object& observer, py::object& on_event) {
   const Case& run = case_.scene.run;
-  Observers observers = filling(recording, run);
+  Observers observers = filling(recording, run, kept_times_.empty() ? run.output_times().size() : kept_times_.size());
   span_.clear();
+  joints_.clear();
   observers.snapshot = [this, keep = std::move(observers.snapshot)](const Snapshot& at) {
     keep(at);
     span_.push_back(at.reaction_span);
+    joints_.insert(joints_.end(), at.joint_forces.begin(), at.joint_forces.end());
   };
   // With Python's lock.
   const auto ask = [this](auto&& call) {
@@ -133,6 +135,10 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
         const auto shape = static_cast<py::ssize_t>(nodes);
         return observer(at.time, view(&recording.u[first], {shape}, self), view(&recording.v[first], {shape}, self));
       });
+    };
+  if (!kept_times_.empty())
+    observers.snapshot = [this, keep = std::move(observers.snapshot)](const Snapshot& at) {
+      if (std::ranges::binary_search(kept_times_, at.time)) keep(at);
     };
   observers.event = [this, ask, &on_event, &run, keep = std::move(observers.event),
                      chatter = ChatterWatch(system_)](const Event& event) mutable {
@@ -160,7 +166,7 @@ Observers Run::observers(py::object& self, py::object& observer, py::object& on_
 void Run::solve(py::object& self, py::object& observer, py::object& on_event) {
   const Observers all = observers(self, observer, on_event);
   const py::gil_scoped_release released;
-  simulate_into(outcome_, setup_, system_, std::nullopt, all);
+  simulate_into(outcome_, setup_, system_, std::nullopt, all, all_times_);
   judge(outcome_, setup_, system_, [this](const std::string& warning) { warn(warning); });
 }
 
@@ -204,8 +210,11 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
   if (!outcome_.error_estimate->doubt.empty()) warn("error: " + outcome_.error_estimate->doubt);
 }
 
-void Run::go(py::object self, py::object observer, py::object on_event) {
+void Run::go(py::object self, py::object observer, py::object on_event, const std::vector<double>& times) {
   const auto started = std::chrono::steady_clock::now();
+  kept_times_ = times;
+  if (!times.empty())  // as far as the scene goes, whatever of it is kept
+    std::ranges::set_union(times, std::array{0.0, case_.scene.run.end}, std::back_inserter(all_times_));
   case_.scene.accuracy ? solve_to_accuracy(self, observer, on_event) : solve(self, observer, on_event);
   if (!outcome_.statistics && rows() > 0) outcome_.reached_time = recording.times.back();
   outcome_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
@@ -216,18 +225,7 @@ std::string Run::summary() const { return summary_json(case_.scene, system_, out
 
 std::string Run::page() const {
   ReportData data(case_.scene.run, system_);
-  const std::size_t nodes = recording.mesh.nodes();
-  auto event = recording.events.begin();
-  for (std::size_t k = 0; k < rows(); ++k) {
-    for (; event != recording.events.end() && event->time <= recording.times[k]; ++event) data.add(*event);
-    Snapshot at{recording.times[k], std::span(recording.u).subspan(k * nodes, nodes),
-                std::span(recording.v).subspan(k * nodes, nodes), recording.reaction_left[k],
-                recording.reaction_right[k]};
-    if (k < recording.energy.size()) at.energy = recording.energy[k];
-    if (k < span_.size()) at.reaction_span = span_[k];
-    data.add(at);
-  }
-  for (; event != recording.events.end(); ++event) data.add(*event);
+  replay([&](const Snapshot& at) { data.add(at); }, [&](const Event& event) { data.add(event); });
   Page page = report_page(setup_, system_, outcome_, data);
   tell_whole_run(page, outcome_.wall_seconds);
   return page.html();

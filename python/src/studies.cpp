@@ -12,6 +12,7 @@
 #include "report/fit/fit_request.hpp"
 #include "report/judge/judge_request.hpp"
 #include "report/scene_check.hpp"
+#include "studies/limit/limit_fault.hpp"
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/report/reports.hpp"
@@ -38,6 +39,23 @@ void hearing_signals(Faults& faults, std::atomic<bool>& stop, Work work) {
     }
   }
   faults.rethrow();
+}
+
+/// Tells a Python function how many are done of how many; empty for None. What it raises stops the work.
+std::function<void(std::size_t, std::size_t)> telling(const py::object& progress, Faults& faults,
+                                                      std::atomic<bool>& stop) {
+  if (progress.is_none()) return {};
+  return [&](std::size_t done, std::size_t all) {
+    if (stop) return;
+    const Gil gil;
+    try {
+      progress(done, all);
+    } catch (py::error_already_set& raised) {
+      raised.restore();
+      faults.keep();
+      stop = true;
+    }
+  };
 }
 
 std::vector<MethodName> methods_of(const std::vector<std::string>& names) {
@@ -94,7 +112,8 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
 
 py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilons,
                       const std::vector<std::size_t>& elements, const std::vector<double>& steps, double budget,
-                      std::size_t threads) {
+                      std::size_t threads, const py::object& progress) {
+  if (const auto fault = limit_fault(self.scene.run.scene)) throw SceneError({{"", 0, 0, fault->key, fault->problem}});
   std::atomic<bool> stop{false};
   LimitStudy study;
   study.scene = self.scene.run;
@@ -104,11 +123,18 @@ py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilon
   study.budget = budget;
   study.threads = threads;
   study.interrupted = [&] { return stop.load(); };
-  study.progress = [&](std::size_t, std::size_t) {
+  const auto told = telling(progress, *self.faults, stop);
+  study.progress = [&](std::size_t done, std::size_t all) {
+    if (told) told(done, all);
     if (stop) throw Interrupted();
   };
   std::string json, page;
   hearing_signals(*self.faults, stop, [&] {
+    if (self.scene.accuracy && study.elements.empty()) {
+      const AccuracyResult solved = limit_to_accuracy(study, *self.scene.accuracy);
+      study.elements = {solved.run.elements};
+      study.estimate = solved.estimate;
+    }
     const LimitResult result = limit_of(study);
     const CouplingResult coupling = balance_errors(study, result);
     json = limit_json(self.scene, study, result, coupling);
@@ -268,7 +294,7 @@ py::tuple fit_scene(const std::string& text, FitRequest request) {
   std::string json, page;
   hearing_signals(faults, stop, [&] {
     auto [scene, study] = prepared_fit(
-        request, [&](const std::vector<Setting>& settings) { return parse_scene_with(text, "scene", settings); });
+        request, [&](const std::vector<Setting>& settings) { return parse_scene_with(text, "", settings); });
     study.stop = [&] { return stop.load(); };
     const FitResult result = fit(study);
     json = fit_json(scene, study, result);
@@ -283,7 +309,7 @@ py::tuple judge_files(const std::string& text, const std::vector<std::vector<std
   std::atomic<bool> stop{false};
   std::string json, page;
   hearing_signals(faults, stop, [&] {
-    PreparedJudgement prepared = prepared_judgement(schemes, parse_scene_with(text, "scene", of_the_bar_itself()));
+    PreparedJudgement prepared = prepared_judgement(schemes, parse_scene_with(text, "", of_the_bar_itself()));
     prepared.study.stop = [&] { return stop.load(); };
     const JudgeResult judgement = judge(prepared.study);
     json = judge_json(prepared, judgement);
@@ -298,7 +324,7 @@ py::array array_of(std::vector<double> values, std::size_t bars, const std::vect
   whole.insert(whole.end(), shape.begin(), shape.end());
   auto* kept = new std::vector<double>(std::move(values));
   const py::capsule owner(kept, [](void* all) { delete static_cast<std::vector<double>*>(all); });
-  return view(kept->data(), std::move(whole), owner);
+  return py::array_t<double>(std::move(whole), kept->data(), owner);
 }
 
 py::dict ensemble_of(const std::string& text, const std::vector<std::string>& keys,
@@ -309,7 +335,7 @@ py::dict ensemble_of(const std::string& text, const std::vector<std::string>& ke
   study.model = [&](std::span<const double> at) {
     std::vector<Setting> settings;
     for (std::size_t k = 0; k < keys.size(); ++k) settings.push_back(std::pair(keys[k], SceneValue(at[k])));
-    return parse_scene_with(text, "scene", settings).run;
+    return parse_scene_with(text, "", settings).run;
   };
   study.keys = keys;
   for (const auto& list : values) study.values.emplace_back(list.data(), static_cast<std::size_t>(list.size()));
@@ -319,18 +345,7 @@ py::dict ensemble_of(const std::string& text, const std::vector<std::string>& ke
   Faults faults;
   std::atomic<bool> stop{false};
   study.stop = [&] { return stop.load(); };
-  if (!progress.is_none())
-    study.progress = [&](std::size_t done, std::size_t all) {
-      if (stop) return;
-      const Gil gil;
-      try {
-        progress(done, all);
-      } catch (py::error_already_set& raised) {
-        raised.restore();
-        faults.keep();
-        stop = true;
-      }
-    };
+  study.progress = telling(progress, faults, stop);
   EnsembleResult result;
   hearing_signals(faults, stop, [&] { result = ensemble(study); });
   py::dict told;
@@ -406,7 +421,6 @@ void run_sweep(const SweepFile& sweep, std::size_t threads, py::list table) {
 
 void sweep_scene(const std::string& text, const py::dict& vary, bool zip, std::size_t threads, py::list table) {
   SweepFile sweep;
-  sweep.scene_source = "scene";
   sweep.scene_text = text;
   sweep.plan.combine = zip ? Combine::zip : Combine::grid;
   for (const auto& [key, values] : vary)

@@ -11,6 +11,7 @@
     compare    several methods and schemes of your own        orders     their orders on exact solutions
     limit      epsilon to 0: orders and a verdict             precision  time against error
     sweep      many values of the scene's keys                check      what a scene needs, predicted impacts
+    open       a finished result of a directory
     fit        least squares on measured traces              ensemble   many bars: arrays in, arrays out
 
 docs/python.md has a tutorial.
@@ -28,7 +29,7 @@ from ._ensemble import statuses as ensemble_statuses
 from ._ensemble import ways as ensemble_ways
 from ._errors import Finding, IntegrationError, RunWarning, SceneError
 from ._plots import plot
-from ._run import Recorded, Result, run
+from ._run import Recorded, Result, open, run
 from ._scene import Scene, load
 from ._studies import Comparison, Fit, Judgement, Orders, Study, check, compare, fit, judge, limit, orders, precision, sweep
 from ._table import Table
@@ -36,6 +37,7 @@ from ._table import Table
 methods: tuple[str, ...] = tuple(_methods)
 """Names of the built-in methods."""
 
+# Not open: `from viscobar import *` would hide Python's own.
 __all__ = [
     "Case", "Comparison", "Ensemble", "Finding", "Fit", "IntegrationError", "Judgement", "Orders", "Recorded", "Result", "RunWarning", "Scene", "SceneError",
     "Study", "Table", "check", "compare", "ensemble", "ensemble_statuses", "ensemble_ways", "fit", "judge", "limit", "load", "methods", "orders", "plot", "precision", "run", "sweep",

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import numbers
+import operator
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 
@@ -15,6 +19,61 @@ statuses: tuple[str, ...] = tuple(_core.bar_statuses)
 
 ways: tuple[str, ...] = tuple(_core.bar_ways)
 """Meanings of the codes of `way`: none, lanes, alone."""
+
+
+Progress = Union[Callable[[int, int], Any], bool, None]
+
+
+def at_a_time(threads: Any) -> int:
+    """A number of threads, 0 for one a core."""
+    try:
+        count = 0 if threads is None else operator.index(threads)
+    except TypeError:
+        raise TypeError(f"threads: a whole number is wanted, 0 for one a core, not {threads!r}") from None
+    if count < 0:
+        raise ValueError(f"threads: must not be negative, is {count}; 0 is one a core")
+    return count
+
+
+@contextlib.contextmanager
+def telling(progress: Progress, unit: str) -> Iterator[Callable[[int, int], Any] | None]:
+    """A function that is told how many are done of how many; for True it moves a bar of tqdm."""
+    if progress is not True:
+        if progress and not callable(progress):
+            raise TypeError(f"progress: a function of two numbers, or True, is wanted, not {progress!r}")
+        yield progress or None
+        return
+    from tqdm import tqdm
+
+    with tqdm(unit=unit) as shown:
+
+        def move(done: int, of: int) -> None:
+            shown.total = of
+            shown.update(done - shown.n)
+
+        yield move
+
+
+def _row(key: str, value: Any) -> np.ndarray:
+    """The values of a parameter, NaN where a mask hides one: such a bar is faulty."""
+    if np.iscomplexobj(value):
+        raise ValueError(f"{key}: complex numbers")
+    try:
+        return value.astype(float).filled(np.nan) if np.ma.isMaskedArray(value) else np.asarray(value, float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{key}: no numbers: {error}") from None
+
+
+def _share(error: Any) -> float | None:
+    """An error as a share of the largest value."""
+    if isinstance(error, str):
+        percentage = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*%\s*", error)
+        if not percentage:
+            raise ValueError(f'error: "{error}" is neither a number nor a percentage such as "1 %"')
+        return float(percentage[1]) / 100
+    if error is not None and not (isinstance(error, numbers.Real) and error > 0):
+        raise ValueError(f"error: a positive number or a percentage is wanted, not {error!r}")
+    return None if error is None else float(error)
 
 
 class Ensemble(Mapping[str, np.ndarray]):
@@ -53,43 +112,42 @@ class Ensemble(Mapping[str, np.ndarray]):
 def ensemble(
     scene: SceneLike,
     parameters: Mapping[str, Any],
-    outputs: Sequence[str],
+    outputs: Sequence[str] | str,
     *,
-    error: float | None = None,
+    error: float | str | None = None,
     threads: int | None = None,
-    progress: Callable[[int, int], Any] | bool | None = None,
+    progress: Progress = None,
     set: Mapping[str, Any] | None = None,
 ) -> Ensemble:
     """A scene for many values of its numbers, on all cores, without files: see docs/ensembles.md.
 
     parameters  keys with arrays, such as {"bar.viscosity": eta, "left.gap": gap}; they are broadcast, so that the arrays
-                of np.meshgrid() make a grid
+                of np.meshgrid() make a grid, and numbers alone one bar, whose results have no axis of bars. A bar with
+                a value that is NaN, or hidden by a mask, is faulty
     outputs     "u_left@0.1" (any column of ends.csv, every 0.1), "gauge:0.25@0.01" (u, v, strain, stress at x = 0.25),
                 "events:8" (times of the first contact changes), "impulse_left", "peak_left", "final" (u and v of all nodes)
-    error       of each bar, as a share of the largest value of what is asked for; that of the mesh comes on top. Without it
-                each bar is run by the scene's own method
-    threads     at a time; None: one a core
+    error       of each bar, as a share of the largest value of what is asked for, 0.01 or "1 %"; that of the mesh comes on
+                top. Without it each bar is run by the scene's own method
+    threads     at a time; None or 0: one a core
     progress    called with the bars done and all bars; True: a bar of tqdm
     set         values in place of the scene's, as in viscobar.run()
 
     The result does not depend on the number of threads, nor on which other bars there are. The scene must have formulas, not
     Python functions. Ctrl-C stops it.
     """
-    shape = np.broadcast_shapes(*(np.shape(value) for value in parameters.values())) if parameters else ()
-    arrays = [np.broadcast_to(np.asarray(value, float), shape if np.ndim(value) else ()).ravel() for value in parameters.values()]
-    if any(array.size == 0 for array in arrays):
-        raise ValueError("ensemble: no bars: an array of parameters is empty")
-    shown = None
-    if progress is True:
-        from tqdm import tqdm
-
-        shown = tqdm(total=int(np.prod(shape, dtype=int)), unit="bar")
-        progress = lambda done, _: shown.update(done - shown.n)  # noqa: E731
+    rows = {key: _row(key, value) for key, value in parameters.items()}
     try:
-        text = Scene.toml(as_scene(scene, None, set))
-        told = _core.ensemble(text, list(parameters), arrays, list(outputs), error, threads or 0, progress or None)
-    finally:
-        if shown is not None:
-            shown.update(shown.total - shown.n)
-            shown.close()
-    return Ensemble(told, shape or (1,))
+        shape = np.broadcast_shapes(*(row.shape for row in rows.values()))
+    except ValueError:
+        shapes = ", ".join(f"{key} {row.shape}" for key, row in rows.items())
+        raise ValueError(f"parameters: these shapes do not go together: {shapes}") from None
+    if empty := [key for key, row in rows.items() if row.size == 0]:
+        raise ValueError(f"{', '.join(empty)}: no values, so there are no bars")
+    arrays = [np.broadcast_to(row, shape if row.ndim else ()).ravel() for row in rows.values()]
+    text = Scene.toml(as_scene(scene, None, set))
+    outputs = [outputs] if isinstance(outputs, str) else list(outputs)
+    if wrong := [one for one in outputs if not isinstance(one, str)]:
+        raise TypeError(f'outputs: texts such as "u_left@0.1" are wanted, not {wrong[0]!r}')
+    with telling(progress, "bar") as told:
+        result = _core.ensemble(text, list(rows), arrays, outputs, _share(error), at_a_time(threads), told)
+    return Ensemble(result, shape)

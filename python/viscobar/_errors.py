@@ -14,7 +14,7 @@ class Finding:
     problem: what is wrong with it
     hint:    what was probably meant, or what to do; None where nothing is known
     source:  the file, and
-    line, column: the place in it, from 1; "" and 0 for a scene that is no file
+    line, column: the place in it, from 1; "" and 0 for a scene that is no file, 0 for a file that does not exist
     """
 
     key: str
@@ -25,7 +25,7 @@ class Finding:
     column: int = 0
 
     def __str__(self) -> str:
-        place = f"{self.source}:{self.line}:{self.column}: " if self.source else ""
+        place = f"{self.source}:{self.line}:{self.column}: " if self.line else f"{self.source}: " if self.source else ""
         key = f"{self.key}: " if self.key else ""
         return f"{place}{key}{self.problem}" + (f"; {self.hint}" if self.hint else "")
 
@@ -43,7 +43,9 @@ class SceneError(ValueError):
             if not isinstance(one, Finding):
                 source, line, column, key, message = one
                 problem, _, hint = message.partition("; ")
-                one = Finding(key, problem, hint or None, source, line if source else 0, column if source else 0)
+                if source == "--set" or not source:  # a value of Python's own
+                    source, line, column = "", 0, 0
+                one = Finding(key, problem, hint or None, source, line, column)
             self.findings.append(one)
         super().__init__("\n".join(map(str, self.findings)))
 

@@ -19,38 +19,98 @@ def _figure(rows: int, columns: int = 1, **options: Any) -> Any:
         return figure, figure.subplots(rows, columns)
 
 
-def plot_run(result: Any) -> Any:
-    figure, axes = _figure(2, 2, figsize=(10, 7))
-    field = axes[0, 0].pcolormesh(result.x, result.t, result.u, shading="nearest", cmap="RdBu_r", rasterized=True)
-    figure.colorbar(field, ax=axes[0, 0], label="u")
-    axes[0, 0].set(xlabel="x", ylabel="t", title=result.summary["title"] or "displacement")
-    ends, energy = result.ends, result.energy
+def _chosen(kind: str, kinds: Any) -> Any:
+    if kind not in kinds:
+        raise ValueError(f'kind: "{kind}" is none of {", ".join(kinds)}')
+    return kinds[kind]
+
+
+def _axes(ax: Any, **options: Any) -> tuple[Any, Any]:
+    """Figure and axes: those that are given, or new ones."""
+    return (ax.figure, ax) if ax is not None else _figure(1, **options)
+
+
+def _displacement(result: Any, axis: Any) -> None:
+    field = axis.pcolormesh(result.x, result.t, result.u, shading="nearest", cmap="RdBu_r", rasterized=True)
+    axis.figure.colorbar(field, ax=axis, label="u")
+    axis.set(xlabel="x", ylabel="t", title=result.summary["title"] or "displacement")
+
+
+def _ends(result: Any, axis: Any) -> None:
     for side in ("left", "right"):
-        axes[0, 1].plot(ends["t"], ends[f"u_{side}"], label=f"{side} end")
-        style = "-" if side == "left" else "--"  # seen where both are equal
-        axes[1, 0].plot(ends["t"], ends[f"reaction_{side}"], style, label=f"{side} end")
+        axis.plot(result.ends["t"], result.ends[f"u_{side}"], label=f"{side} end")
+    axis.set(xlabel="t", ylabel="u")
+    axis.legend()
+
+
+def _reactions(result: Any, axis: Any) -> None:
+    for side, style in (("left", "-"), ("right", "--")):  # seen where both are equal
+        axis.plot(result.ends["t"], result.ends[f"reaction_{side}"], style, label=f"{side} end")
+    axis.set(xlabel="t", ylabel="reaction")
+    axis.legend()
+
+
+def _energy(result: Any, axis: Any) -> None:
+    energy = result.energy
     for name in ("kinetic", "elastic", "contact", "dissipated", "work", "total"):
         if name in ("kinetic", "elastic", "total") or np.any(energy[name]):
-            axes[1, 1].plot(energy["t"], energy[name], label=name)
-    for axis, what in ((axes[0, 1], "u"), (axes[1, 0], "reaction"), (axes[1, 1], "energy")):
-        axis.set(xlabel="t", ylabel=what)
-        axis.legend()
+            axis.plot(energy["t"], energy[name], label=name)
+    axis.set(xlabel="t", ylabel="energy")
+    axis.legend()
+
+
+PICTURES = {"displacement": _displacement, "ends": _ends, "reactions": _reactions, "energy": _energy}
+
+
+def plot_run(result: Any, kind: str | None = None, ax: Any = None) -> Any:
+    if kind is None and ax is None:
+        figure, axes = _figure(2, 2, figsize=(10, 7))
+        for draw, axis in zip(PICTURES.values(), axes.flat):
+            draw(result, axis)
+        return figure
+    draw = _chosen(kind or "ends", PICTURES)
+    figure, axis = _axes(ax, figsize=(7, 5))
+    draw(result, axis)
     return figure
 
 
-def plot_comparison(comparison: Any) -> Any:
-    figure, axes = _figure(2, figsize=(8, 7), sharex=True)
+def small_picture(result: Any) -> str:
+    """The displacements of both ends over time as some kilobytes of SVG."""
+    ends = result.ends
+    if len(ends["t"]) < 2:
+        return ""
+    some = np.unique(np.linspace(0, len(ends["t"]) - 1, 200).astype(int))
+    u = np.array([ends["u_left"][some], ends["u_right"][some]])
+    low, high = u.min(), u.max()
+    x = 300 * (ends["t"][some] - ends["t"][0]) / (ends["t"][-1] - ends["t"][0])
+    y = 5 + 90 * (high - u) / (high - low if high > low else 1.0)
+    lines = "".join(
+        f'<polyline points="{" ".join(f"{a:.0f},{b:.1f}" for a, b in zip(x, row))}" fill="none" stroke="{colour}"/>'
+        for row, colour in zip(y, ("#1f77b4", "#ff7f0e"))
+    )
+    title = f"u of the left end (blue) and the right end (orange), from {low:.4g} to {high:.4g}, over t"
+    return f'<svg viewBox="0 0 300 100" width="300" height="100"><title>{title}</title>{lines}</svg>'
+
+
+def plot_comparison(comparison: Any, kind: str | None = None, ax: Any = None) -> Any:
+    sides = ("left", "right")
+    if kind is None and ax is None:
+        figure, axes = _figure(2, figsize=(8, 7), sharex=True)
+    else:
+        sides = (_chosen(kind or "left", {side: side for side in sides}),)
+        figure, axis = _axes(ax, figsize=(7, 5))
+        axes = [axis]
     for label, run in comparison.runs.items():
-        for axis, side in zip(axes, ("left", "right")):
+        for axis, side in zip(axes, sides):
             axis.plot(run.t, run.ends[f"u_{side}"], label=label)
             axis.set_ylabel(f"u, {side} end")
     axes[0].legend()
-    axes[1].set_xlabel("t")
+    axes[-1].set_xlabel("t")
     return figure
 
 
-def plot_limit(study: Any) -> Any:
-    figure, axis = _figure(1, figsize=(7, 5))
+def plot_limit(study: Any, ax: Any = None) -> Any:
+    figure, axis = _axes(ax, figsize=(7, 5))
     meshes = list(dict.fromkeys(study.column("elements")))
     for elements in meshes:
         rows = [row for row in study if row["elements"] == elements]
@@ -64,8 +124,8 @@ def plot_limit(study: Any) -> Any:
     return figure
 
 
-def plot_precision(study: Any) -> Any:
-    figure, axis = _figure(1, figsize=(7, 5))
+def plot_precision(study: Any, ax: Any = None) -> Any:
+    figure, axis = _axes(ax, figsize=(7, 5))
     for method in dict.fromkeys(study.column("method")):
         rows = [row for row in study if row["method"] == method and row.get("error")]
         if rows:
@@ -75,6 +135,6 @@ def plot_precision(study: Any) -> Any:
     return figure
 
 
-def plot(what: Any) -> Any:
-    """A matplotlib figure of a Result, a Comparison or a Study."""
-    return what.plot()
+def plot(what: Any, **options: Any) -> Any:
+    """A matplotlib figure of a Result, a Comparison or a Study; `options` are those of its plot(), such as kind and ax."""
+    return what.plot(**options)

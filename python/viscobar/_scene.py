@@ -8,7 +8,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Union
 
 import numpy as np
@@ -29,6 +29,8 @@ FUNCTIONS = {
 }  # fmt: skip
 # Those that may be given by samples, too: places or times, and values.
 SAMPLED = tuple(key for key in FUNCTIONS if key != "load.density")
+# Those of which values at the nodes may stand alone.
+NODAL = ("initial.displacement", "initial.velocity", "load.profile")
 
 
 class Scene(dict):
@@ -58,34 +60,73 @@ class Scene(dict):
                 if isinstance(table, Mapping) and isinstance(self.get(name), dict):
                     self[name].update(table)
                 else:
-                    self[name] = dict(table) if isinstance(table, Mapping) else table
+                    self[name] = _copied(table)
         if validate:
             parse(self)
 
     def changed(self, values: Mapping[str, Any] | None = None, /) -> Scene:
-        """A copy with other values: scene.changed({"contact.restitution": 0}); None removes a key. Not checked."""
+        """A copy with other values, as --set has them: scene.changed({"contact.restitution": 0}). Not checked.
+
+        "bar.2.modulus" and "joint.1.gap" are keys of bars in line. A table, {"bar": {"modulus": 4.0}}, changes the keys that
+        it has. None removes a key, or a table. An end that becomes of another kind loses the keys of the old one.
+        """
         scene = Scene(self, validate=False)
-        for key, value in (values or {}).items():
-            name, dot, leaf = str(key).partition(".")
-            if not dot:
-                table, leaf = scene, name
-            else:
-                table = scene.setdefault(name, {})
-                if not isinstance(table, dict):
-                    raise SceneError([Finding(name, f"is {table!r}, not a table")])
-            inner, dot, last = leaf.partition(".")
-            if dot and name in ("left", "right") and isinstance(table.get(inner, {}), dict):
-                table[inner] = dict(table.get(inner, {}))  # left.contact.law: a table of the end
-                table, leaf = table[inner], last
-            if value is None:
-                table.pop(leaf, None)
-            else:
-                table[leaf] = value
+        settings = dict(_settings(values or {}))
+        for key, value in settings.items():
+            scene._set(key, value)
+        for end in ("left", "right"):
+            kind = settings.get(f"{end}.kind")
+            if isinstance(kind, str) and kind in _core.end_kinds:
+                for leaf, value in list(scene[end].items()):
+                    name = f"{leaf}." if isinstance(value, Mapping) and leaf == "contact" else leaf
+                    known = any(_core.belongs_to_end(one, name) for one in _core.end_kinds)
+                    given = any(f"{key}.".startswith(f"{end}.{leaf}.") for key in settings)
+                    if known and not given and not _core.belongs_to_end(kind, name):
+                        del scene[end][leaf]
         return scene
 
+    def _set(self, key: str, value: Any) -> None:
+        """One value. What has no place in the scene stays beside it under its own name, for the library to judge."""
+        name, *rest = key.split(".")
+        if not rest:
+            _put(self, name, _copied(value))
+            return
+        if _is_member(key):
+            table, rest = self._member(name, int(rest[0])), rest[1:]
+        else:
+            if isinstance(self.get(name), list) and value is not None and len(self[name]) > 1:
+                self.update({f"{name}.{k}": one for k, one in enumerate(self.pop(name), 1)})
+            table = self.setdefault(name, {})
+            if isinstance(table, list) and len(table) == 1:
+                (table,) = table
+            if name in ("left", "right") and len(rest) > 1 and isinstance(table.get(rest[0], {}), dict):
+                table[rest[0]] = table = dict(table.get(rest[0], {}))  # left.contact.law: a table of the end
+                rest = rest[1:]
+        if isinstance(table, list):
+            return  # nothing to take away from bars in line
+        if not isinstance(table, dict) or not rest:
+            raise SceneError([Finding(key, f"is {table!r}, not a table" if rest else "is a table; its keys are set one by one")])
+        _put(table, ".".join(rest), value)
+        # A table without keys is none.
+        if name in ("left", "right") and self[name].get("contact") == {}:
+            del self[name]["contact"]
+        if not self.get(name, True):
+            del self[name]
+
+    def _member(self, name: str, k: int) -> Any:
+        """The table of bar k, or joint k, of several."""
+        tables = self.get(name, [] if name == "joint" else None)
+        alone = f"{name}.{k}"
+        if alone in self or not isinstance(tables, list) or (name == "bar" and len(tables) < 2):
+            return self.setdefault(alone, {})
+        if name == "joint" and k == len(tables) + 1:
+            self[name] = [*tables, {}]
+        elif not 1 <= k <= len(tables):
+            return self.setdefault(alone, {})
+        return self[name][k - 1]
+
     def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
-        return Scene({name: copy.deepcopy(dict(value) if isinstance(value, dict) else value, memo)
-                      for name, value in self.items()}, validate=False)  # fmt: skip
+        return Scene({name: copy.deepcopy(value, memo) for name, value in self.items()}, validate=False)
 
     def toml(self) -> str:
         """The scene as the text of a scene file. Scenes with Python functions have none."""
@@ -104,6 +145,38 @@ class Scene(dict):
         return f"Scene({dict(self)!r})"
 
 
+def _put(table: dict[str, Any], key: str, value: Any) -> None:
+    if value is None:
+        table.pop(key, None)
+    else:
+        table[key] = value
+
+
+def _copied(value: Any) -> Any:
+    """A table, or the tables of several bars, copied."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, (list, tuple)) and any(isinstance(one, Mapping) for one in value):
+        return [dict(one) if isinstance(one, Mapping) else one for one in value]
+    return value
+
+
+def _is_member(key: str) -> bool:
+    """Whether it is of one of several bars or joints: bar.2, bar.2.modulus, joint.1.gap."""
+    return re.match(r"(bar|joint)\.[1-9][0-9]*(\.|$)", key) is not None
+
+
+def _settings(values: Mapping[str, Any], table: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys and values, those of tables one by one."""
+    for leaf, value in values.items():
+        key = f"{table}.{leaf}" if table else str(leaf)
+        is_table = not table and "." not in key or re.fullmatch(r"(left|right)\.contact|(bar|joint)\.[1-9][0-9]*", key)
+        if isinstance(value, Mapping) and is_table:
+            yield from _settings(value, key)
+        else:
+            yield key, value
+
+
 SceneLike = Union[Scene, Mapping[str, Any], str, "os.PathLike[str]"]
 
 
@@ -120,7 +193,7 @@ def load(path: str | os.PathLike[str], *, validate: bool = True) -> Scene:
     try:
         scene = Scene(tomllib.loads(text), validate=False)
         # Files of measured series lie beside the scene, and not where it is changed.
-        for table in scene.values():
+        for table in (one for tables in scene.values() for one in (tables if isinstance(tables, list) else [tables])):
             for key, value in table.items() if isinstance(table, dict) else ():
                 if isinstance(value, dict) and isinstance(value.get("file"), str):
                     table[key] = {**value, "file": os.path.abspath(os.path.join(os.path.dirname(source), value["file"]))}
@@ -164,24 +237,35 @@ def takes_arrays(function: Callable[..., Any], x: np.ndarray) -> bool:
 def function_name(function: Any) -> str:
     if is_sampled(function):
         return f"{len(function[0])} samples"
+    if is_row(function):
+        return f"{len(function)} values at the nodes"
     return f"function {getattr(function, '__qualname__', type(function).__name__)}"
 
 
 def is_sampled(value: Any) -> bool:
     """Whether that is a pair of arrays."""
 
-    def is_row(part: Any) -> bool:
+    def is_array(part: Any) -> bool:
         try:
             return np.ndim(part) >= 1
         except ValueError:  # a list of lists of several lengths
             return True
 
-    return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(map(is_row, value))
+    return isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2 and all(map(is_array, value))
+
+
+def is_row(value: Any) -> bool:
+    """Whether that is one array."""
+    return isinstance(value, (tuple, list, np.ndarray)) and not is_sampled(value)
+
+
+def _may_be_sampled(name: str) -> bool:
+    return name in SAMPLED or re.fullmatch(r"bar\.[1-9][0-9]*\.(displacement|velocity)", name) is not None
 
 
 def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
     """The table of a series of places, or times, and values."""
-    if name not in SAMPLED:
+    if not _may_be_sampled(name):
         raise SceneError([Finding(name, "is given by samples", "only " + ", ".join(SAMPLED) + " may be")])
     try:
         parts = [np.ma.asarray(part) for part in (places, values)]
@@ -200,18 +284,36 @@ def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
 
 
 def _place_of(name: str) -> str:
-    return "x" if name.startswith("initial.") or name == "load.profile" else "t"
+    return "x" if name.startswith(("initial.", "bar.")) or name == "load.profile" else "t"
 
 
 def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """The text of a scene, and its Python functions by their keys."""
+    text, functions, nodal = _text_and_functions(scene, None)
+    if nodal:  # the mesh is that of the scene without them
+        text, functions, _ = _text_and_functions(scene, _core.parse(text, "", functions).x)
+    return text, functions
+
+
+def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> tuple[str, dict[str, Any], bool]:
+    """The same, and whether it has values at nodes; without the places of these a formula stands for them."""
     functions: dict[str, Any] = {}
+    nodal = False
 
     def line(key: str, value: Any, table: str = "") -> str:
+        nonlocal nodal
         name = f"{table}.{key}" if table else key
-        if is_sampled(value) and (name in SAMPLED or not all(isinstance(part, str) for part in value)):
+        if is_row(value) and name in NODAL:
+            nodal = True
+            if nodes is None:
+                return f"{_key(key)} = {FUNCTIONS[name]}\n"
+            if len(value) != len(nodes):
+                raise SceneError([Finding(name, f"has {len(value)} values for the {len(nodes)} nodes of the mesh",
+                                          "places of its own are given as a pair of arrays, (places, values)")])  # fmt: skip
+            value = (nodes, value)
+        if is_sampled(value) and (_may_be_sampled(name) or not all(isinstance(part, str) for part in value)):
             return f"{_key(key)} = {_value(name, samples(name, *value))}\n"
-        if isinstance(value, Mapping) and name in SAMPLED and {_place_of(name), "values"} <= value.keys():
+        if isinstance(value, Mapping) and _may_be_sampled(name) and {_place_of(name), "values"} <= value.keys():
             value = {**value, **samples(name, value[_place_of(name)], value["values"])}
         if callable(value):
             if name not in FUNCTIONS:
@@ -220,14 +322,18 @@ def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
             return f"{_key(key)} = {FUNCTIONS[name]}\n"
         return f"{_key(key)} = {_value(name, value)}\n"
 
+    def lines(table: Mapping[str, Any], name: str) -> str:
+        return "".join(line(key, value, name) for key, value in table.items() if value is not None)
+
     top, tables = "", ""
     for name, table in scene.items():
         if isinstance(table, Mapping):
-            tables += f"[{_key(name)}]\n"
-            tables += "".join(line(key, value, name) for key, value in table.items() if value is not None)
+            tables += f"[{_key(name)}]\n{lines(table, name)}"
+        elif isinstance(table, (list, tuple)) and table and all(isinstance(one, Mapping) for one in table):
+            tables += "".join(f"[[{_key(name)}]]\n{lines(one, f'{name}.{k}')}" for k, one in enumerate(table, 1))
         elif table is not None:
             top += line(name, table)
-    return top + tables, functions
+    return top + tables, functions, nodal
 
 
 def _key(name: Any) -> str:

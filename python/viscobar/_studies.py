@@ -5,14 +5,17 @@ from __future__ import annotations
 import difflib
 import json
 import os
+import re
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._errors import Finding, SceneError
+from ._errors import Finding, RunWarning, SceneError
+from ._ensemble import Progress, at_a_time, telling
 from ._run import Recorded
 from ._scene import Scene, SceneLike, as_scene, parse
 from ._schemes import Method, label_of, recorded
@@ -36,21 +39,21 @@ class Comparison(Table):
         """Name of the run that the others are compared with."""
         return self.summary["reference"]
 
-    def plot(self) -> Any:
-        """A matplotlib figure: the end traces of all runs."""
+    def plot(self, kind: str | None = None, *, ax: Any = None) -> Any:
+        """A matplotlib figure: the end traces of all runs; of one end alone by kind="left" or "right", on the axes `ax`."""
         from . import _plots
 
-        return _plots.plot_comparison(self)
+        return _plots.plot_comparison(self, kind, ax)
 
 
 class Study(Table):
     """What viscobar.limit() and viscobar.precision() return: a row for each run; the rest is in `summary`."""
 
-    def plot(self) -> Any:
-        """A matplotlib figure: differences over epsilon, or error over time."""
+    def plot(self, *, ax: Any = None) -> Any:
+        """A matplotlib figure: differences over epsilon, or error over time; on the axes `ax`."""
         from . import _plots
 
-        return _plots.plot_limit(self) if "verdict" in self.summary else _plots.plot_precision(self)
+        return _plots.plot_limit(self, ax) if "verdict" in self.summary else _plots.plot_precision(self, ax)
 
     @property
     def verdict(self) -> str | None:
@@ -127,7 +130,7 @@ def compare(
     case = parse(scene, "compare")
     kept = [recorded(case, label, scheme) for label, scheme in own.items()]
     built_in = None if methods is None or (not named and schemes is None and not own) else named
-    text, page, differences, runs = _core.compare(case, built_in, kept, threads)
+    text, page, differences, runs = _core.compare(case, built_in, kept, at_a_time(threads))
     summary = json.loads(text)
     rows = []
     for entry, difference in zip(summary["methods"], differences):
@@ -217,6 +220,8 @@ def limit(
     elements: Sequence[int] = (),
     steps: Sequence[float] = (),
     budget: float = 60.0,
+    error: float | str | None = None,
+    progress: Progress = None,
     set: Mapping[str, Any] | None = None,
     threads: int = 0,
 ) -> Study:
@@ -227,6 +232,8 @@ def limit(
     elements     meshes in place of the scene's; three or more give epsilon(h)
     steps        of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
     budget       processor seconds for smaller steps of the scheme
+    error        the error that is bearable at epsilon = 0, as in viscobar.run(): the elements are chosen for it
+    progress     called with the runs done and all runs so far; True: a bar of tqdm
     set          values in place of the scene's, as in viscobar.run()
     threads      runs at a time; 0: one a core
 
@@ -238,6 +245,10 @@ def limit(
         changes["mesh.mass"] = mass
     if elements:
         changes["mesh.elements"] = max(elements)
+    if error is not None:
+        if elements:
+            raise ValueError("elements: error chooses the mesh; give one of the two")
+        changes["accuracy.error"] = error
     if len(steps) not in (0, max(1, len(elements))):
         raise ValueError(f"steps: {len(steps)} given for {max(1, len(elements))} meshes, one for each is needed")
     if epsilon is None:  # the scene's own, which it may lack, is not used
@@ -247,10 +258,11 @@ def limit(
     if not epsilons:
         raise ValueError("epsilon: at least one penalty is needed")
     case = parse(as_scene(scene, None, {"contact.epsilon": epsilons[0], **changes}), "limit")
-    if case.left != "obstacle" and case.right != "obstacle" and case.span_gap is None:
-        raise SceneError([Finding("left.kind", "the scene has no obstacle, so there is nothing to penalise")])
-    text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, threads)
+    with telling(progress, "run") as told:
+        text, page = _core.limit(case, epsilons, list(elements), list(steps), budget, at_a_time(threads), told)
     summary = json.loads(text)
+    if (estimate := summary.get("error_estimate")) and not estimate["kept"]:
+        warnings.warn("limit: the error that was asked for is not kept at epsilon = 0", RunWarning, stacklevel=2)
     return Study(summary["rows"], summary, page)
 
 
@@ -288,7 +300,7 @@ def precision(
         changes["mesh.elements"] = max(elements)
     case = parse(as_scene(scene, None, changes))
     values = sorted(map(float, tolerances), reverse=True) if tolerances is not None else _core.decades(1e-3, 1e-10, 1)
-    text, page = _core.precision(case, list(methods), values, list(elements), halvings, repeat, seconds, threads)
+    text, page = _core.precision(case, list(methods), values, list(elements), halvings, repeat, seconds, at_a_time(threads))
     summary = json.loads(text)
     return Study(summary["rows"], summary, page)
 
@@ -381,8 +393,7 @@ def fit(
     text = Scene.toml(as_scene(scene, None, set))
     parameters = _listed(parameters)
     with tempfile.TemporaryDirectory() as directory:
-        printed, page = _core.fit(
-            text,
+        request = (
             _measured(data, os.path.join(directory, "data.csv")),
             _measured(events, os.path.join(directory, "events.csv")),
             list(parameters),
@@ -391,6 +402,13 @@ def fit(
             starts,
             runs,
         )
+        try:
+            printed, page = _core.fit(text, *request)
+        except ValueError as error:  # the options of the program are arguments here
+            if isinstance(error, SceneError):
+                raise
+            said = str(error).replace("--deviation", "deviations")
+            raise ValueError(re.sub(r"--([a-z])", r"\1", said)) from None
     summary = json.loads(printed)
     return Fit([{"key": key, **told} for key, told in summary["parameters"].items()], summary, page)
 
@@ -474,12 +492,14 @@ def sweep(
     vary: Mapping[str, Sequence[Any]] | None = None,
     *,
     combine: str = "grid",
+    error: float | str | None = None,
     set: Mapping[str, Any] | None = None,
     threads: int = 0,
 ) -> Table:
     """A scene for many values of its keys, on all cores, kept in memory.
 
     vary     keys with the values that they take: {"bar.viscosity": [0.01, 0.1, 1.0], "left.gap": [0.1, 0.2]}
+    error    the error that is bearable in each case, as in viscobar.run()
     combine  "grid": every value with every other, the last key running fastest; "zip": the first values, the second ones, ...
     set      values in place of the scene's, as in viscobar.run()
     threads  cases at a time; 0: one a core
@@ -493,9 +513,9 @@ def sweep(
     rows: list[dict[str, Any]] = []
     try:
         if vary is None:
-            if not isinstance(scene, (str, os.PathLike)) or set:
+            if not isinstance(scene, (str, os.PathLike)) or set or error is not None:
                 raise TypeError("sweep: without `vary`, the path of a sweep file alone is wanted")
-            _core.sweep_file(os.fspath(scene), threads, rows)
+            _core.sweep_file(os.fspath(scene), at_a_time(threads), rows)
         else:
             if combine not in ("grid", "zip"):
                 raise ValueError(f'combine: "{combine}" is neither grid nor zip')
@@ -504,8 +524,9 @@ def sweep(
                 raise ValueError(f"{', '.join(empty)}: no values")
             if combine == "zip" and len({len(values) for values in lists.values()}) > 1:
                 raise ValueError("zip: the keys have different numbers of values")
-            text = Scene.toml(as_scene(scene, None, set))
-            _core.sweep_scene(text, lists, combine == "zip", threads, rows)
+            changes = dict(set or {}) if error is None else {**(set or {}), "accuracy.error": error}
+            text = Scene.toml(as_scene(scene, None, changes))
+            _core.sweep_scene(text, lists, combine == "zip", at_a_time(threads), rows)
     except BaseException as error:
         error.rows = Table(rows)  # type: ignore[attr-defined]
         raise

@@ -6,6 +6,9 @@ import html
 from typing import Any
 
 
+SHOWN = 30  # rows in a notebook
+
+
 class Table(list):
     """Rows of a study: a list of dictionaries with the same keys.
 
@@ -37,18 +40,13 @@ class Table(list):
         return text(self.columns, [[row.get(key) for key in self.columns] for row in self])
 
     def _repr_html_(self) -> str:
-        if self.page is not None:
-            return framed(self.page)
+        """The first rows; the pictures are on `page`."""
         head = "".join(f"<th>{html.escape(key)}</th>" for key in self.columns)
         body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(cell(row.get(key)))}</td>" for key in self.columns) + "</tr>" for row in self
+            "<tr>" + "".join(f"<td>{html.escape(cell(row.get(key)))}</td>" for key in self.columns) + "</tr>" for row in self[:SHOWN]
         )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def framed(page: str) -> str:
-    """A whole page of HTML within another one."""
-    return f'<iframe srcdoc="{html.escape(page)}" style="width: 100%; height: 48em; border: 0"></iframe>'
+        more = f"<p>{len(self) - SHOWN} more rows</p>" if len(self) > SHOWN else ""
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
 
 
 def cell(value: Any) -> str:

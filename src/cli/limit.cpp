@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "cli/commands.hpp"
+#include "studies/limit/limit_fault.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
@@ -64,12 +65,8 @@ int study_limit(const LimitOptions& asked) {
     run.method = penalised_method(run);
   });
   study.scene = scene.run;
-  if (has_stops(study.scene.scene))
-    refuse("{}: limit studies the penalty, and this stop has a law of its own, which is no limit's; leave the law out",
-           (study.scene.scene.left_input.stop ? study.scene.scene.left_input.stop->key("left", "law")
-                                              : study.scene.scene.right_input.stop->key("right", "law")));
-  if (!meets_obstacle(study.scene.scene))
-    refuse("{}: the scene has no obstacle, so there is nothing to penalise", asked.scene.file);
+  if (const auto fault = limit_fault(study.scene.scene))
+    refuse("{}: {}", fault->key.empty() ? asked.scene.file : fault->key, fault->problem);
   const std::size_t meshes = std::max<std::size_t>(1, study.elements.size());
   if (!study.steps.empty() && study.steps.size() != meshes)
     refuse("--steps: {} given for {} mesh{}, one for each is needed", study.steps.size(), meshes,

@@ -13,21 +13,21 @@ namespace viscobar {
 std::string input_text(const std::filesystem::path& file, std::size_t most) {
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  return input_text(stream, file.string(), most);
+  return input_text(stream, file.empty() ? "\"\"" : file.string(), most);
 }
 
 std::string input_text(std::istream& stream, const std::string& name, std::size_t most) {
-  const auto fail = [&](const std::string& problem) {
-    throw SceneError({{name, 1, 1, "", "cannot be read: " + problem}});
-  };
+  const auto fail = [&](const std::string& problem) { throw SceneError({{name, 0, 0, "", problem}}); };
   std::string text;
   std::array<char, 4096> block;
   while (stream && text.size() <= most) {
     stream.read(block.data(), block.size());
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  if (!stream.eof() || text.size() > most)
-    fail(errno != 0 ? std::strerror(errno) : "it is longer than " + std::to_string(most >> 20) + " MiB");
+  if (stream.eof() && text.size() <= most) return text;
+  if (errno == ENOENT) fail("does not exist");
+  fail("cannot be read: " +
+       (errno != 0 ? std::strerror(errno) : "it is longer than " + std::to_string(most >> 20) + " MiB"));
   return text;
 }
 

@@ -16,6 +16,8 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view override_source = "--set";
+// The place of a value that comes as such, and not as the text of an option.
+constexpr TextPosition nowhere{0, 0};
 
 std::size_t index_of(const SceneKey& key) { return static_cast<std::size_t>(&key - scene_keys().data()); }
 
@@ -125,8 +127,9 @@ SceneEntries::SceneEntries(const std::string& text, const std::string& source, s
     if (const auto* override_text = std::get_if<std::string>(&setting))
       add_override(*override_text);
     else
-      std::visit([&, &name = std::get<1>(setting).first](const auto& value) { lay_over(name, value, {}, {}); },
-                 std::get<1>(setting).second);
+      std::visit(
+          [&, &name = std::get<1>(setting).first](const auto& value) { lay_over(name, value, nowhere, nowhere); },
+          std::get<1>(setting).second);
   drop_what_no_longer_belongs();
   check_values();
   if (readable_) fill_in();
@@ -312,8 +315,8 @@ void SceneEntries::read_series(const std::string& name, const SceneTable& table)
     series_[name] = series_of(table, request);
   } catch (const SceneError& error) {
     for (const Diagnostic& found : error.diagnostics)
-      report(name, "{}, line {}: {}{}{}", found.source, found.line, found.key, found.key.empty() ? "" : " ",
-             found.message);
+      report(name, "{}{}: {}{}{}", found.source, found.line > 0 ? fmt::format(", line {}", found.line) : "", found.key,
+             found.key.empty() ? "" : " ", found.message);
   } catch (const std::invalid_argument& error) {
     report(name, error.what());
   }

@@ -393,7 +393,10 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Telling 
 }  // namespace
 
 std::string Diagnostic::text() const {
-  return fmt::format("{}:{}:{}: {}{}{}", source, line, column, key, key.empty() ? "" : ": ", message);
+  std::string where;
+  if (!source.empty() && (line > 0 || key.empty())) where = source + ": ";
+  if (!source.empty() && line > 0) where = fmt::format("{}:{}:{}: ", source, line, column);
+  return fmt::format("{}{}{}{}", where, key, key.empty() ? "" : ": ", message);
 }
 
 SceneError::SceneError(std::vector<Diagnostic> found)

@@ -45,6 +45,15 @@ void GrowingFiles::Mark::check(const fs::path& directory) const {
   if (field) field->check_values(directory / "field.h5");
 }
 
+std::vector<std::size_t> joint_nodes_of(const Case& run) {
+  std::vector<std::size_t> nodes;
+  if (run.scene.chain.empty()) return nodes;
+  const std::vector<Piece> pieces = pieces_of(run.scene, run.mesh());
+  for (std::size_t k = 1; k < pieces.size(); ++k)
+    if (pieces[k].first > pieces[k - 1].last()) nodes.push_back(pieces[k].first);
+  return nodes;
+}
+
 GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, const Mark* mark) {
   const Case& run = scene.run;
   const auto add = [&](Table which, bool wanted, std::string_view header) {
@@ -60,12 +69,8 @@ GrowingFiles::GrowingFiles(const fs::path& directory, const SceneFile& scene, co
   add(energy, run.files.energy, energy_header);
   add(sensitivity, !run.directions.empty(), sensitivity_header(run.directions));
   add(gauges, !run.gauges.empty(), fmt::format("t,{}", fmt::join(gauge_columns(run.gauges), ",")));
-  if (!run.scene.chain.empty()) {
-    const std::vector<Piece> pieces = pieces_of(run.scene, run.mesh());
-    for (std::size_t k = 1; k < pieces.size(); ++k)
-      if (pieces[k].first > pieces[k - 1].last()) joint_nodes.push_back(pieces[k].first);
-    add(joints, !joint_nodes.empty(), joints_header(run.scene));
-  }
+  joint_nodes = joint_nodes_of(run);
+  add(joints, !joint_nodes.empty(), joints_header(run.scene));
   read = make_gauges(run.gauges, run.mesh(), run.scene);
   std::vector<FieldOrigin::Key> keys;
   for (const Direction& direction : run.directions)

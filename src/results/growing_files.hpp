@@ -15,6 +15,9 @@ namespace viscobar {
 /// @throws IoError when a file does not begin with the bytes of that checksum
 void check_begin(const std::filesystem::path& file, const Checksum& expected);
 
+/// The nodes to the right of the joints of a chain that are not bonded.
+std::vector<std::size_t> joint_nodes_of(const Case& run);
+
 /// The files that grow with a run, those that its scene asks for.
 struct GrowingFiles {
   /// The last ones of a run with directions, with gauges, and of a chain with joints that are not bonded.

@@ -343,7 +343,11 @@ TEST_F(Limit, RefusesWhatItCannotStudy) {
   };
   std::ofstream(directory_ / "free.toml") << "[bar]\nlength = 1\n[initial]\ndisplacement = 0\nvelocity = 1\n"
                                              "[time]\nend = 1\n[mesh]\nelements = 4\n";
-  refused("free.toml", "no obstacle");
+  refused("free.toml", "free.toml: the scene has no obstacle");
+  std::ofstream(directory_ / "law.toml")
+      << "[[bar]]\nlength = 1\nvelocity = 1\n[[bar]]\nlength = 1\n[[joint]]\nkind = \"contact\"\n"
+         "gap = 0.1\nlaw = \"hertz\"\nstiffness = 9.0\n[time]\nend = 1\n[mesh]\nelements = 8\n";
+  refused("law.toml", "joint.1.law: limit studies the penalty");
   refused(scene("chatter") + " --mas lumped", "--mass");
   refused(scene("chatter") + " --mass lumpd", "lumped");
   refused(scene("chatter") + " --epsilon 1e-2:zero", "\"zero\" is not a positive number");

@@ -72,8 +72,9 @@ class SceneTest(Test):
             said = subprocess.run([PROGRAM, "check", path], capture_output=True, text=True).stderr
             self.assertIn(str(raised.exception), said)
             self.assertEqual(viscobar.load(path, validate=False)["bar"]["viscosty"], 0.01)
-        with self.assertRaises(viscobar.SceneError):
+        with self.assertRaises(viscobar.SceneError) as raised:
             viscobar.load("no such file.toml")
+        self.assertEqual(str(raised.exception), "no such file.toml: does not exist")
 
     def test_errors_of_python_name_the_key(self):
         for changes, key in (({"left__gap": None}, "left.gap"), ({"bar__length": [1.0]}, "bar.length"),

@@ -144,7 +144,7 @@ TEST_F(SweepFileTest, EverythingWrongIsSaidAtOnceWithItsPlaceAndTheNearestKey) {
       found,
       (std::vector<std::string>{
           "1:1: scenee: unknown key; nearest is \"scene\"",
-          "1:10: scene: \"none.toml\" cannot be read: No such file or directory",
+          "1:10: scene: \"none.toml\" does not exist",
           "2:11: combine: cannot be \"gird\"; nearest is \"grid\"",
           "4:17: bar.viscosity: must be one value, is an array",
           "5:12: time.end: must be positive, is -1",

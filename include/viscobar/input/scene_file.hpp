@@ -22,12 +22,12 @@ namespace viscobar {
 /// position of its table, or of the end of the file when the table is missing, too).
 struct Diagnostic {
   std::string source;      ///< file name, or "--set" for an override
-  std::size_t line = 1;    ///< from 1
+  std::size_t line = 1;    ///< from 1; 0 of what has no place in a text: a file that is not there, a value of a study
   std::size_t column = 1;  ///< from 1, in characters
   std::string key;         ///< "table.key"
   std::string message;     ///< the problem, with the nearest known key if one was probably meant
 
-  std::string text() const;  ///< file:line:column: key: message
+  std::string text() const;  ///< file:line:column: key: message, without a line key: message, or file: message
 };
 
 /// The user's scene cannot be run; has all its errors.

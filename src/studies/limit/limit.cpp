@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "studies/limit/limit_fault.hpp"
 #include "studies/limit/mesh_runs.hpp"
 
 namespace viscobar {
@@ -25,6 +26,21 @@ std::vector<double> decades(double first, double last, std::size_t per_decade) {
 std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade) {
   const double unit = natural_epsilon(scene);
   return decades(1e-2 * unit, 1e-8 * unit, per_decade);
+}
+
+std::optional<Finding> limit_fault(const Scene& scene) {
+  const auto of_stop = [](const std::optional<Stop>& stop, const std::string& where) -> std::optional<Finding> {
+    if (!stop) return std::nullopt;
+    return Finding{stop->key(where, "law"),
+                   "limit studies the penalty, and this stop has a law of its own, which is no limit's; leave the law "
+                   "out"};
+  };
+  if (auto left = of_stop(scene.left_input.stop, "left")) return left;
+  if (auto right = of_stop(scene.right_input.stop, "right")) return right;
+  for (std::size_t k = 1; k < scene.chain.size(); ++k)
+    if (auto joint = of_stop(scene.chain[k - 1].joint.stop, fmt::format("joint.{}", k))) return joint;
+  if (!meets_obstacle(scene)) return Finding{"", "the scene has no obstacle, so there is nothing to penalise"};
+  return std::nullopt;
 }
 
 namespace {
@@ -389,7 +405,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
 }  // namespace
 
 LimitResult limit_of(const LimitStudy& study) {
-  if (!meets_obstacle(study.scene.scene)) throw std::invalid_argument("the scene has no obstacle to penalise");
+  if (const auto fault = limit_fault(study.scene.scene)) throw std::invalid_argument(fault->problem);
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =
       study.elements.empty() ? std::vector<std::size_t>{study.scene.elements} : study.elements;
