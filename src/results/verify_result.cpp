@@ -188,8 +188,9 @@ std::vector<VerifiedFile> verify_result(const fs::path& directory) {
 
 void check_sound(const fs::path& directory, std::string_view done) {
   for (const VerifiedFile& file : verify_result(directory))
-    if (file.state == FileState::damaged && !file.name.starts_with("unfinished/"))
-      throw IoError(directory / file.name, fmt::format("is damaged: {}; nothing was {}", file.reason, done));
+    if ((file.state == FileState::damaged || file.state == FileState::missing) && !file.name.starts_with("unfinished/"))
+      throw IoError(directory / file.name, fmt::format("is {}{}{}; nothing was {}", word(file.state),
+                                                       file.reason.empty() ? "" : ": ", file.reason, done));
 }
 
 FileState verdict(const std::vector<VerifiedFile>& files) {

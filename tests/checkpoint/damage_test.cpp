@@ -159,8 +159,8 @@ TEST_F(Damage, OfAResultIsRefusedByEachCommandThatReadsIt) {
     std::vector<std::string> command;
     int code;
   } readers[] = {{"ends.csv", {"export", "out", "-o", "new"}, 1},
-                 {"ends.csv", {"compare", "out", "other", "-q", "-o", "new"}, 1},
-                 {"events.csv", {"compare", "other", "out", "-q", "-o", "new"}, 1},
+                 {"ends.csv", {"compare", "out", "other", "-q", "-o", "new"}, 2},
+                 {"events.csv", {"compare", "other", "out", "-q", "-o", "new"}, 2},
                  {"ends.csv", {"compare", "scene.toml", "--with", "out/ends.csv", "-q", "-o", "new"}, 2},
                  {"summary.json", {"compare", "scene.toml", "--with", "out/ends.csv", "-q", "-o", "new"}, 2},
                  {"ends.csv", with(fit, {"--data", "out/ends.csv"}), 2},

@@ -162,8 +162,9 @@ class BarSystem {
   }
   /// Two systems of the same nodes.
   struct Difference {
-    std::shared_ptr<const BarSystem> after, before;
-    double times;
+    std::shared_ptr<const BarSystem> after;   ///< one
+    std::shared_ptr<const BarSystem> before;  ///< that is subtracted
+    double times;                             ///< so often
   };
   /// Adds so many times the difference of their loads to its own.
   void add_load(Difference difference) { difference_ = std::move(difference); }

@@ -25,13 +25,15 @@ struct Direction {
   /// load along a bar that gets longer: matrices, load and initial velocities have the differences of the two beside
   /// all that is told above. Functions of x are the same in both at a fixed part of each bar, and ends stand still.
   struct Beside {
-    Scene before, after;
-    Mesh mesh_before, mesh_after;
-    double apart;
+    Scene before;      ///< at p - apart
+    Scene after;       ///< at p + apart
+    Mesh mesh_before;  ///< of `before`
+    Mesh mesh_after;   ///< of `after`
+    double apart;      ///< in units of p
   };
-  std::optional<Beside> beside{};
-  double epsilon = 0.0;      ///< derivative of the penalty's epsilon
-  double restitution = 0.0;  ///< of the restitution
+  std::optional<Beside> beside{};  ///< those; absent: no integral depends on p
+  double epsilon = 0.0;            ///< derivative of the penalty's epsilon
+  double restitution = 0.0;        ///< of the restitution
 };
 
 /// Derivatives of the fields with respect to a parameter at one output time; NaN from where there are none on.

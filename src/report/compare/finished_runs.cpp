@@ -48,7 +48,11 @@ MethodRun read_run(const std::string& name, SceneFile& scene, Json& contact) {
   settle_result_directory(place);
   if (!fs::exists(place / "summary.json"))
     throw std::invalid_argument(name + " holds no result of `viscobar run`: there is no summary.json");
-  check_sound(place, "compared");
+  try {
+    check_sound(place, "compared");
+  } catch (const IoError& damage) {
+    throw std::invalid_argument(damage.what());
+  }
   const std::string summary = input_text(place / "summary.json");
   const Json told = Json::parse(summary);
   contact = told.value("contact", Json::object());
