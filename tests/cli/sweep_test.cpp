@@ -95,18 +95,21 @@ double seconds_of_children() {
 }
 
 // Both are processor times of one and the same run: a busy machine slows both alike. The best of a few runs, where it
-// did not.
+// did not. The start of a process is no part of it: with MPI, which SUNDIALS loads on Debian 13, it takes a tenth of a
+// second.
 TEST_F(Sweep, OfSmallCasesTakesAtMostThreeTenthsMoreThanItsIntegration) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "of the program as it is used";
 #endif
   double best = 10.0;
   for (int k = 0; k < 8 && best > 1.3; ++k) {
-    const double before = seconds_of_children();
+    const double begin = seconds_of_children();
+    ASSERT_EQ(viscobar("--version").code, 0);
+    const double before = seconds_of_children(), start = before - begin;
     const Ended ended = viscobar(fmt::format(
         "sweep '" VISCOBAR_SOURCE_DIR "/examples/sweeps/small-cases.toml' --threads 1 --json -o small{}", k));
     ASSERT_EQ(ended.code, 0) << ended.error;
-    const double all = seconds_of_children() - before;
+    const double all = seconds_of_children() - before - start;
     best = std::min(best, all / ended.json()["integration_seconds"].get<double>());
   }
   EXPECT_LE(best, 1.3);
