@@ -134,8 +134,8 @@ class PenalisedSystem {
   bool is_passed_over(std::size_t i, double length) const {
     return rates_[i] * length > 10.0 && contact(i).joint == 0 && !by_law(i);
   }
-  /// True if no row of a bar tells the force of contact i, but its law alone: of a rigid body alone beside another
-  /// contact.
+  /// True if the law alone tells the force of contact i, and no row of a bar: that of a rigid body without a bar,
+  /// beside another contact.
   bool by_law(std::size_t i) const { return by_law_[i] != 0; }
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).

@@ -9,10 +9,10 @@ namespace viscobar {
 /// rounding of the numbers decides.
 class Watchdog {
  public:
-  /// The run is from `begin` to `end`. Every `look` steps, or contact changes of a fiftieth of that number, the time
-  /// they advanced tells how many steps the rest would take, and more than `most` are refused unless they become fewer
-  /// fast, as when a stiff contact settles. A pause of that length within a run that then goes on is far beyond any
-  /// storm that a bar makes: bounces that die out do so in tens.
+  /// The run is from `begin` to `end`. The pace is looked at every `look` steps, and every look / 50 contact changes:
+  /// the time that went by tells how many steps the rest would take. More than `most` are refused, unless a second look
+  /// sees half of them at most, as when a stiff contact settles. No run that comes to its end pauses for so long:
+  /// bounces that die out do so in tens.
   explicit Watchdog(double begin, double end, std::size_t look = 1'000'000, double most = 1e10)
       : since_(begin), last_change_(begin), end_(end), look_(look), most_(most) {}
 

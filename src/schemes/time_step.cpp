@@ -205,7 +205,7 @@ void TimeStep::restored() {
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
 void TimeStep::bound_contacts(double t) {
   if (!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman) {
-    if (t <= begin_)
+    if (t <= begin_)  // they stay
       for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
     return;
   }

@@ -111,8 +111,8 @@ struct Mount {
 /// listed, not applied: the penalised system and the fully discrete schemes each do that in their way. Below, rho M has
 /// the masses of the ends in it.
 ///
-/// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it: the
-/// displacement is u + lift(t), linear in x, across joints too, so that fixed ends stand still, and
+/// Where an end is held by something that moves, u everywhere here is measured in a frame that moves with it. The
+/// displacement is u + lift(t). The lift is linear in x, across joints too, so that fixed ends stand still, and
 ///
 ///     - rho M lift'' - E K lift - eta K lift' - sum over the ends of (k_e lift + c_e lift') e_e
 ///
@@ -148,8 +148,8 @@ class BarSystem {
   double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
   /// True if it is no joint's, and within the mesh.
   bool is_element_of_bar(std::size_t element) const;
-  /// The element to the right of an unknown's node, at the last node of a bar the one to its left; of a rigid body
-  /// alone the spring beside it, or the nearest one of a bar.
+  /// The element to the right of an unknown's node; the one to its left at the last node of a bar. A rigid body alone
+  /// has the spring beside it, or else the nearest element of a bar.
   std::size_t element_at(std::size_t unknown) const;
   double stretch_at(std::size_t unknown) const { return stretch(element_at(unknown)); }            ///< of that
   double rate_stretch_at(std::size_t unknown) const { return rate_stretch(element_at(unknown)); }  ///< of that
@@ -162,13 +162,13 @@ class BarSystem {
   }
   /// Two systems of the same nodes.
   struct Difference {
-    std::shared_ptr<const BarSystem> after;   ///< one
-    std::shared_ptr<const BarSystem> before;  ///< that is subtracted
-    double times;                             ///< so often
+    std::shared_ptr<const BarSystem> after;   ///< beyond the parameter's value
+    std::shared_ptr<const BarSystem> before;  ///< below it; its load is subtracted
+    double times;                             ///< factor of the difference
   };
   /// Adds so many times the difference of their loads to its own.
   void add_load(Difference difference) { difference_ = std::move(difference); }
-  const std::optional<Difference>& added_load() const { return difference_; }  ///< that
+  const std::optional<Difference>& added_load() const { return difference_; }  ///< by add_load()
   bool left_fixed() const { return walls_[0].has_value(); }                    ///< node 0 is no unknown
   bool right_fixed() const { return walls_[1].has_value(); }                   ///< node J is no unknown
   /// The unknown of an end that is not fixed: the first or the last.
@@ -524,7 +524,7 @@ class LoadVector {
   double step_;
   bool steady_;
   std::vector<double> nodal_, weighted_;
-  std::vector<LoadVector> difference_;  // two systems to whose difference the load has a part in proportion
+  std::vector<LoadVector> difference_;  // loads of the two systems of Difference, or none
   std::optional<double> time_;
   std::vector<NextBreak> breaks_;
   NextBreakAt breaks_at_;

@@ -21,9 +21,9 @@ struct Direction {
   Scene data;
   /// Derivatives of a chain: of what its members are made of, those of joints but for the gaps, which are in `data`.
   std::vector<Member> members{};
-  /// The scene at p - apart and p + apart where integrals over its elements depend on p, those of a section, or of a
-  /// load along a bar that gets longer: matrices, load and initial velocities have the differences of the two beside
-  /// all that is told above. Functions of x are the same in both at a fixed part of each bar, and ends stand still.
+  /// The scene at p - apart and p + apart, where integrals over its elements depend on p: of a section, or of a load
+  /// along a bar that gets longer. Matrices, load and initial velocities have the difference of the two, beside all
+  /// that is told above. At a fixed part of each bar both have the same functions. Their ends stand still.
   struct Beside {
     Scene before;      ///< at p - apart
     Scene after;       ///< at p + apart
@@ -31,7 +31,7 @@ struct Direction {
     Mesh mesh_after;   ///< of `after`
     double apart;      ///< in units of p
   };
-  std::optional<Beside> beside{};  ///< those; absent: no integral depends on p
+  std::optional<Beside> beside{};  ///< absent: no integral depends on p
   double epsilon = 0.0;            ///< derivative of the penalty's epsilon
   double restitution = 0.0;        ///< of the restitution
 };
