@@ -252,7 +252,7 @@ void Derivative::drive(const Moment& at) {
       chain_->inertia.multiply(at.a, product_);
       subtract();
     }
-    const auto& [placed_by, moved_by, accelerated_by] = lift_;
+    const Lift &placed_by = lift_[0], &moved_by = lift_[1];
     const auto share = [&](std::size_t i) { return bar.moving() ? bar.share(i) : 0.0; };
     chain_->stiffness.multiply([&](std::size_t i) { return at.u[i] + system_.origin_at(i) + placed_by.at(share(i)); },
                                product_);

@@ -80,7 +80,10 @@ void add_difference(const SymmetricTridiagonal& a, const SymmetricTridiagonal& b
 void Derivative::take_difference(const Direction& direction) {
   const BarSystem& bar = system_.bar();
   const Direction::Beside& beside = *direction.beside;
-  const auto& [after, before, times] = *data_.added_load();
+  const auto& difference = *data_.added_load();
+  const double times = difference.times;
+  const auto& after = difference.after;
+  const auto& before = difference.before;
   const std::array massless = {bar.massive_begin() == 1, bar.massive_end() < bar.size()};
   const auto whole = [&](const Scene& scene, const Mesh& mesh) {
     return inertia_of(pieces_of(scene, mesh), bar.mass(), massless);
