@@ -11,7 +11,6 @@
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
 #include "dynamics/pieces.hpp"
-#include "integration/exponential/refusal.hpp"
 #include "run/parts.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -261,11 +260,7 @@ void check_chain(const Setup& setup, Findings& findings) {
     const bool linear_only = method == MethodName::exponential || method == MethodName::characteristics;
     const bool taken = !joint.stop || (linear_only ? joint.stop->linear() : method_row(method).takes_laws);
     if (!taken && findings.sound({"method.name"}))
-      findings.report(
-          joint.stop->key(fmt::format("joint.{}", k + 1), "law"),
-          "\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida or odeint, or leave the law "
-          "out",
-          name(joint.stop->law), name(method));
+      findings.add({law_refusal(name(method), *joint.stop, fmt::format("joint.{}", k + 1))});
     const bool rigid = scene.chain[k].rigid() && scene.chain[k + 1].rigid();
     if (method == MethodName::characteristics) {
       if (rigid && run.restitution.value_or(0.0) > 0.0)
@@ -335,7 +330,8 @@ std::size_t fixed_ends(const Scene& scene) {
 }
 
 void check_exponential(const Case& run, Findings& findings) {
-  if (const auto law = exponential::refusal(run.scene.left_input, run.scene.right_input)) findings.add({*law});
+  if (const auto law = law_refusal("exponential", run.scene.left_input, run.scene.right_input, true))
+    findings.add({*law});
   if (run.elements + 1 > Exponential::most_unknowns + fixed_ends(run.scene))
     findings.report("mesh.elements",
                     "exponential works with dense matrices and takes up to {} unknown "

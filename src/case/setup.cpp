@@ -146,11 +146,12 @@ AutomaticMethod automatic_method(const Case& run) {
     if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) meshed = MethodName::cvode;
     if (contact && !touches_bar(scene.chain, k) && !run.epsilon) meshed = MethodName::fully_discrete;
   }
-  if (run.epsilon || has_stops(scene)) {
-    if (meshed != MethodName::rigid) return {meshed, ""};
+  if ((run.epsilon || has_stops(scene)) && meshed == MethodName::rigid) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
-    return {scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode, ""};
+    meshed = scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
   }
+  if (run.epsilon || scene.span || has_stops(scene, [](const Stop& stop) { return !stop.linear(); }))
+    return {meshed, ""};
   // A dashpot at a joint is enough for whole_of() a chain to be damped.
   const bool viscous = scene.chain.empty()
                            ? scene.bar.viscosity > 0.0

@@ -50,8 +50,7 @@ std::optional<Finding> chain_refusal(const Scene& scene) {
                    "fully_discrete"};
   for (std::size_t m = 0; m + 1 < chain.size(); ++m)
     if (const auto& stop = chain[m].joint.stop; chain[m].joint.kind == JointKind::contact && stop && !stop->linear())
-      return Finding{stop->key(fmt::format("joint.{}", m + 1), "law"),
-                     fmt::format("\"{}\" is no law for characteristics, which has linear ones alone", name(stop->law))};
+      return law_refusal("characteristics", *stop, fmt::format("joint.{}", m + 1));
   if (scene.load && !std::holds_alternative<SteadyLoad>(*scene.load))
     return Finding{"load.density",
                    "depends on time, which characteristics takes on one bar alone; for several in line "
@@ -77,9 +76,7 @@ std::optional<Finding> rate_refusal(const Scene& scene) {
 }  // namespace
 
 std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
-  for (const EndInput* input : {&scene.left_input, &scene.right_input})
-    if (input->stop && !input->stop->linear())
-      return law_refusal("characteristics", scene.left_input, scene.right_input);
+  if (auto why = law_refusal("characteristics", scene.left_input, scene.right_input, true)) return why;
   if (scene.chain.empty()) {
     if (auto why = bar_refusal("bar", scene.bar, static_cast<bool>(scene.section))) return why;
   } else if (auto why = chain_refusal(scene)) {

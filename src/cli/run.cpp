@@ -85,7 +85,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
           text += row(where, "{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
                       with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
                       with_unit(obstacle.impulse, run.scene, Dimension::impulse),
-                      with_unit(obstacle.peak_reaction, run.scene, Dimension::stress));
+                      with_unit(obstacle.peak_reaction, run.scene, Dimension::force));
       };
       contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
       contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);

@@ -296,7 +296,10 @@ Units SceneEntries::units() const {
     const auto* text = entry == entries_.end() ? nullptr : std::get_if<std::string>(&entry->second.value);
     return text ? *text : std::string();
   };
-  return {unit("units.length"), unit("units.time"), unit("units.mass"), unit("units.force"), unit("units.stress")};
+  const bool of_section =
+      std::ranges::any_of(entries_, [](const auto& entry) { return entry.first.ends_with(".section"); });
+  return {unit("units.length"), unit("units.time"),   unit("units.mass"),
+          unit("units.force"),  unit("units.stress"), of_section};
 }
 
 void SceneEntries::read_series(const std::string& name, const SceneTable& table) {

@@ -77,7 +77,7 @@ constexpr SceneKey rows[] = {
     {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
     {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
     {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
-    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "1", "A(x) > 0; absent: 1. Forces are A times stresses", positive, {}, "x"},
+    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "area", "A(x) > 0; absent: 1. Forces are A times stresses", positive, {}, "x"},
 
     {"left.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = 0"},
     {"right.kind", choice, required_in_table, "\"free\"", "\"obstacle\"", "", "condition at the end x = L"},
@@ -101,10 +101,10 @@ constexpr SceneKey rows[] = {
     {"mesh.nodes", numbers, optional, "", "[0.0, 0.1, 0.3, 0.6, 1.0]", "length", "nodes of the mesh, rising from 0 to bar.length; with mesh.elements that many elements along the same lengths", not_negative},
     {"mesh.mass", choice, optional, "", "\"fourth_order\"", "", "mass matrix; absent: one whose contact nodes do not bounce by themselves, see below"},
 
-    {"contact.epsilon", number, optional, "", "1e-6", "length / stress", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
+    {"contact.epsilon", number, optional, "", "1e-6", "length / force", "reaction = penetration / epsilon, in penalised methods; absent: chosen by the accuracy of the mesh, see below", positive},
     {"contact.law", choice, optional, "", "\"spring_damper\"", "", "law of the stops at the ends, for methods that know it, absent: the penalty in penalised methods, a rigid obstacle in the others; an end's own law is left.contact or right.contact, see below"},
-    {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
-    {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.stiffness", number, optional, "", "100.0", "force / length, or / length^(3/2)", of_stiffness, positive},
+    {"contact.damping", number, optional, "", "1.0", "force x time / length, or time / length", of_damping, not_negative},
     {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
     {"contact.restitution", number, optional, "", "0.0", "1", "restitution of a contact node; absent: undamped spring in penalised methods, implicit constraint in the others", {0.0, 1.0, "0 to 1"}},
 
@@ -137,25 +137,25 @@ constexpr SceneKey rows[] = {
 // Keys of either end, beside its kind and its numbers.
 constexpr SceneKey end_rows[] = {
     {"side", choice, optional, "", "\"below\"", "", "from where the obstacle bounds u; absent: below", {}, end_sides},
-    {"force", formula, optional, "", "\"sin(2*t)\"", "stress", "force on a free end or one with an obstacle, in the direction of u", {}, {}, "t"},
+    {"force", formula, optional, "", "\"sin(2*t)\"", "force", "force on a free end or one with an obstacle, in the direction of u", {}, {}, "t"},
     {"motion", formula, optional, "", "\"0.1*sin(2*t)\"", "length", "motion d(t) of a fixed end, u = u_0 + d, with d(0) = 0", {}, {}, "t"},
-    {"stiffness", number, optional, "", "2.0", "stress / length", "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0", not_negative},
-    {"dashpot", number, optional, "", "0.1", "stress x time / length", "dashpot beside that spring", not_negative},
+    {"stiffness", number, optional, "", "2.0", "force / length", "spring between a free end, or one with an obstacle, and the ground, at rest at u = 0", not_negative},
+    {"dashpot", number, optional, "", "0.1", "force x time / length", "dashpot beside that spring", not_negative},
     {"contact.law", choice, optional, "", "\"hertz\"", "", "law of the obstacle at this end, instead of that of [contact]"},
-    {"contact.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", of_stiffness, positive},
-    {"contact.damping", number, optional, "", "1.0", "stress x time / length, or time / length", of_damping, not_negative},
+    {"contact.stiffness", number, optional, "", "100.0", "force / length, or / length^(3/2)", of_stiffness, positive},
+    {"contact.damping", number, optional, "", "1.0", "force x time / length, or time / length", of_damping, not_negative},
     {"contact.restitution", number, optional, "", "0.5", "1", of_restitution, {0.0, 1.0, "0 to 1"}},
     {"contact.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
-    {"mass", number, optional, "", "2.0", "density x length", "rigid mass on a free end, or one with an obstacle, per area of the bar", not_negative},
+    {"mass", number, optional, "", "2.0", "density x length x area", "rigid mass on a free end, or one with an obstacle; without a section per area of the bar", not_negative},
 };
 // Keys of each bar of several in line, and of the joint between it and the next.
 constexpr SceneKey member_rows[] = {
     {"bar.length", number, optional, "", "1.0", "length", "length of a bar; a rigid body has a mass in its place", positive},
-    {"bar.mass", number, optional, "", "2.0", "density x length", "mass of a rigid body, which has no length: a ram, a bit, a cap", positive},
+    {"bar.mass", number, optional, "", "2.0", "density x length x area", "mass of a rigid body, which has no length: a ram, a bit, a cap", positive},
     {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
     {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
     {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta", not_negative},
-    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "1", "A(x) > 0, x from the left end of this bar; absent: 1", positive, {}, "x"},
+    {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "area", "A(x) > 0, x from the left end of this bar; absent: 1", positive, {}, "x"},
     {"bar.displacement", formula, optional, "", "0.0", "length", "u_0, x from the left end of this bar; absent: initial.displacement, x from that of the chain", {}, {}, "x"},
     {"bar.velocity", formula, optional, "", "1.0", "length / time", "u_1 likewise; absent: initial.velocity", {}, {}, "x"},
     {"bar.elements", count, optional, "", "50", "1", "elements of this bar; absent: by the time that a wave takes through it, all together mesh.elements", {1.0, 1e8, "1 to 1e8"}},
@@ -164,8 +164,8 @@ constexpr SceneKey member_rows[] = {
     {"joint.kind", choice, required_in_table, "", "\"contact\"", "", "how a bar hangs together with the next; without a table they are bonded"},
     {"joint.gap", number, optional, "0.0", "0.05", "length", "between the two where nothing is displaced, of a contact", not_negative},
     {"joint.law", choice, optional, "", "\"hertz\"", "", "law of the contact, instead of that of [contact]"},
-    {"joint.stiffness", number, optional, "", "100.0", "stress / length, or / length^(3/2)", "k of a spring, or of the law of a contact", positive},
-    {"joint.damping", number, optional, "", "1.0", "stress x time / length, or time / length", "c of a dashpot beside the spring, or of the law of a contact", not_negative},
+    {"joint.stiffness", number, optional, "", "100.0", "force / length, or / length^(3/2)", "k of a spring, or of the law of a contact", positive},
+    {"joint.damping", number, optional, "", "1.0", "force x time / length, or time / length", "c of a dashpot beside the spring, or of the law of a contact", not_negative},
     {"joint.restitution", number, optional, "", "0.5", "1", of_restitution, {0.0, 1.0, "0 to 1"}},
     {"joint.speed", number, optional, "", "2.0", "length / time", of_speed, positive},
 };

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <span>
 
-#include "integration/exponential/refusal.hpp"
 #include "integration/exponential/run.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -10,7 +9,8 @@ namespace viscobar {
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Exponential& method, const Observers& observers) {
   refuse_directions("exponential", observers);
-  if (const auto law = exponential::refusal(system.inputs()[0], system.inputs()[1])) throw Unfit("exponential", *law);
+  if (const auto law = law_refusal("exponential", system.inputs()[0], system.inputs()[1], true))
+    throw Unfit("exponential", *law);
   if (system.size() > Exponential::most_unknowns)
     throw Unfit("exponential", {"mesh.elements", "its matrices are dense, and the unknown nodes are too many"});
   const auto has_penalty = [&](const Contact& contact) { return !system.stop(contact); };

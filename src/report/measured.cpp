@@ -45,9 +45,9 @@ Event change_of(const std::string& file, double t, const std::string& where, con
 
 UnitPowers unit_of(TraceColumn column) {
   constexpr std::optional<Dimension> dimensions[] = {
-      Dimension::length, Dimension::velocity, Dimension::stress,   Dimension::length, Dimension::velocity,
-      Dimension::stress, Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress,
-      Dimension::length, Dimension::length,   Dimension::stress};
+      Dimension::length, Dimension::velocity, Dimension::force,    Dimension::length, Dimension::velocity,
+      Dimension::force,  Dimension::length,   Dimension::velocity, std::nullopt,      Dimension::stress,
+      Dimension::length, Dimension::length,   Dimension::force};
   const auto dimension = dimensions[static_cast<std::size_t>(column)];
   return dimension ? unit_powers(*dimension) : UnitPowers{};
 }

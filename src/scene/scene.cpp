@@ -132,13 +132,19 @@ bool meets_contact(const Scene& scene, std::size_t member, bool right) {
   }
 }
 
-std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right) {
-  const auto& stop = left.stop ? left.stop : right.stop;
-  if (!stop) return std::nullopt;
-  return Finding{
-      stop->key(left.stop ? "left" : "right", "law"),
-      fmt::format("\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida{}, or leave the law out",
-                  name(stop->law), method, stop->linear() ? ", odeint or exponential" : " or odeint")};
+std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right,
+                                   bool takes_linear) {
+  for (const EndInput* end : {&left, &right})
+    if (end->stop && !(takes_linear && end->stop->linear()))
+      return law_refusal(method, *end->stop, end == &left ? "left" : "right");
+  return std::nullopt;
+}
+
+Finding law_refusal(std::string_view method, const Stop& stop, const std::string& table) {
+  return {stop.key(table, "law"),
+          fmt::format("\"{}\" is no law for {}: it has no such stop; use arkode, cvode, ida{}, or leave the law out",
+                      name(stop.law), method,
+                      stop.linear() ? ", odeint, exponential or, without viscosity, characteristics" : " or odeint")};
 }
 
 std::vector<Finding> validate(const Scene& scene) {

@@ -35,14 +35,15 @@ std::string power(std::string_view name, double exponent) {
 }  // namespace
 
 UnitPowers unit_powers(Dimension quantity) {
-  constexpr std::array<UnitPowers, 6> powers = {{{1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}}};
+  constexpr std::array<UnitPowers, 7> powers = {
+      {{1, 0, 0, 0}, {0, 1, 0, 0}, {1, -1, 0, 0}, {0, 0, 1, 0}, {0, 0, 1, 1}, {0, 1, 1, 1}, {1, 0, 1, 1}}};
   return powers[static_cast<std::size_t>(quantity)];
 }
 
 std::optional<UnitPowers> unit_powers(std::string_view words) {
-  constexpr std::pair<std::string_view, UnitPowers> known[] = {{"1", {0, 0, 0}},        {"length", {1, 0, 0}},
-                                                               {"time", {0, 1, 0}},     {"stress", {0, 0, 1}},
-                                                               {"density", {-2, 2, 1}}, {"energy", {1, 0, 1}}};
+  constexpr std::pair<std::string_view, UnitPowers> known[] = {
+      {"1", {0, 0, 0, 0}},        {"length", {1, 0, 0, 0}}, {"time", {0, 1, 0, 0}},  {"stress", {0, 0, 1, 0}},
+      {"density", {-2, 2, 1, 0}}, {"area", {0, 0, 0, 1}},   {"force", {0, 0, 1, 1}}, {"energy", {1, 0, 1, 1}}};
   if (words.empty()) return std::nullopt;
   UnitPowers all{};
   double sign = 1.0;
@@ -61,8 +62,13 @@ std::optional<UnitPowers> unit_powers(std::string_view words) {
 }
 
 std::string unit_name(const Units& units, const UnitPowers& powers) {
-  const auto [length, time, stress] = powers;
+  auto [length, time, stress, area] = powers;
   Powers all{length, time, 0, 0, 0};
+  if (units.of_section && units.force.empty()) all[0] += 2.0 * area;
+  if (units.of_section && !units.force.empty()) {
+    all[3] += area;
+    stress -= area;
+  }
   if (stress != 0.0) {
     const auto parts = stress_powers(units);
     if (!parts) return {};

@@ -35,8 +35,8 @@ std::vector<QuantityColumn> SweepPlan::columns() const {
   std::vector<QuantityColumn> all(own.begin(), own.end());
   const QuantityColumn of_joint[joint_values] = {{"closings", "1", "contacts at the joint"},
                                                  {"time_in_contact", "time", "time in contact there"},
-                                                 {"impulse", "stress x time", "impulse of the force between its sides"},
-                                                 {"max_reaction", "stress", "largest force"}};
+                                                 {"impulse", "force x time", "impulse of the force between its sides"},
+                                                 {"max_reaction", "force", "largest force"}};
   for (std::size_t k = 1; k <= joints; ++k)
     for (const auto& [name, unit, meaning] : of_joint)
       all.push_back({fmt::format("{}_joint:{}", name, k), unit, meaning});
@@ -44,7 +44,7 @@ std::vector<QuantityColumn> SweepPlan::columns() const {
     all.insert(all.end(), {{"chosen_elements", "1", "elements of the solution"},
                            {"chosen_tolerance", "1", "its relative tolerance"},
                            {"chosen_step", "time", "its step, of a scheme"},
-                           {"chosen_epsilon", "length / stress", "its penalty"}});
+                           {"chosen_epsilon", "length / force", "its penalty"}});
   for (const std::string& key : sensitivities)
     for (const std::string_view quantity : differentiated)
       all.push_back({fmt::format("{}/{}", quantity, key), "", "derivative of the one by the other"});
@@ -82,12 +82,12 @@ std::span<const QuantityColumn, quantities> quantity_columns() {
       {"u_right_max", "length", "largest u(L,t)"},
       {"closings_left", "1", "contacts at the left obstacle"},
       {"time_in_contact_left", "time", "time in contact there"},
-      {"impulse_left", "stress x time", "impulse of its reaction"},
-      {"max_reaction_left", "stress", "largest reaction"},
+      {"impulse_left", "force x time", "impulse of its reaction"},
+      {"max_reaction_left", "force", "largest reaction"},
       {"closings_right", "1", "contacts at the right obstacle"},
       {"time_in_contact_right", "time", "time in contact there"},
-      {"impulse_right", "stress x time", "impulse of its reaction"},
-      {"max_reaction_right", "stress", "largest reaction"},
+      {"impulse_right", "force x time", "impulse of its reaction"},
+      {"max_reaction_right", "force", "largest reaction"},
       {"closings_span", "1", "contacts of nodes with the span obstacle"},
   };
   return of_quantities;

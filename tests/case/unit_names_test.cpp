@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace viscobar {
 namespace {
 
@@ -22,6 +25,25 @@ TEST(UnitNames, PreferTheNameOfTheStressThenThatOfTheForce) {
   EXPECT_EQ(unit_name({"mm", "ms", "t", "N", ""}, Dimension::impulse), "N ms/mm^2");
 }
 
+TEST(UnitNames, OfForcesAreThoseOfTheWholeSectionWhereThereIsOne) {
+  const auto names = [](Units units) {
+    units.of_section = true;
+    std::vector<std::string> all;
+    for (const Dimension quantity : {Dimension::stress, Dimension::force, Dimension::impulse, Dimension::energy})
+      all.push_back(unit_name(units, quantity));
+    for (const char* words : {"force / length", "density x length x area", "area", "stress / length"})
+      all.push_back(unit_name(units, unit_powers(words).value()));
+    return all;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names({"m", "s", "", "N", "Pa"}), Names({"Pa", "N", "N s", "N m", "N/m", "N s^2/m", "m^2", "Pa/m"}));
+  EXPECT_EQ(names({"mm", "ms", "", "", "MPa"}),
+            Names({"MPa", "MPa mm^2", "MPa mm^2 ms", "MPa mm^3", "MPa mm", "MPa mm ms^2", "mm^2", "MPa/mm"}));
+  EXPECT_EQ(names({"m", "s", "kg", "", ""}),
+            Names({"kg/(m s^2)", "kg m/s^2", "kg m/s", "kg m^2/s^2", "kg/s^2", "kg", "m^2", "kg/(m^2 s^2)"}));
+  EXPECT_EQ(unit_name({"m", "s", "", "N", "Pa"}, Dimension::force), "Pa") << "per area";
+}
+
 TEST(UnitNames, AreEmptyWhereTheSceneNamesTooFew) {
   EXPECT_EQ(unit_name({}, Dimension::length), "");
   EXPECT_EQ(unit_name({"m", "", "", "", ""}, Dimension::velocity), "");
@@ -38,7 +60,7 @@ TEST(UnitNames, OfWordsAndQuotientsFollowFromTheirPowers) {
   EXPECT_EQ(name("stress x time / length"), "kg/(m^2 s)");
   EXPECT_EQ(name("length / stress"), "m^2 s^2/kg");
   EXPECT_EQ(name("1"), "");
-  EXPECT_EQ(unit_name({"m", "s", "", "", "Pa"}, UnitPowers{3, -2, -1}), "m^3/(Pa s^2)") << "of u by the density";
+  EXPECT_EQ(unit_name({"m", "s", "", "", "Pa"}, UnitPowers{3, -2, -1, 0}), "m^3/(Pa s^2)") << "of u by the density";
   EXPECT_FALSE(unit_powers(""));
   EXPECT_FALSE(unit_powers("furlongs"));
 }

@@ -210,6 +210,47 @@ TEST_F(Records, HaveUnitsAScaleAndAnotherNameForTheirTimes) {
   EXPECT_EQ(breaks(1.0, 9.0), 2.0);
 }
 
+TEST(UnitRatio, IsThatOfProductsQuotientsAndPowers) {
+  const auto ratio = [](const char* from, const char* to) { return unit_ratio(from, to).value(); };
+  EXPECT_DOUBLE_EQ(ratio("kN", "N"), 1e3);
+  EXPECT_DOUBLE_EQ(ratio("kN", "MPa mm^2"), 1e3);
+  EXPECT_DOUBLE_EQ(ratio("N", "kg m/s^2"), 1.0);
+  EXPECT_DOUBLE_EQ(ratio("t mm/ms^2", "MN"), 1e-3 * 1e6 * 1e3 / 1e6);
+  EXPECT_DOUBLE_EQ(ratio("Pa", "kg/(m s^2)"), 1.0);
+  EXPECT_DOUBLE_EQ(ratio("MPa", "N/mm²"), 1.0);
+  EXPECT_DOUBLE_EQ(ratio("m/s2", "mm s^-2"), 1e3);
+  EXPECT_DOUBLE_EQ(ratio("µm/m", "%"), 1e-4);
+  EXPECT_DOUBLE_EQ(ratio("km/h", "m/s"), 1.0 / 3.6);
+  EXPECT_DOUBLE_EQ(ratio("1/ms", "1/s"), 1e3);
+  EXPECT_DOUBLE_EQ(ratio("in", "mm"), 25.4);
+  EXPECT_DOUBLE_EQ(ratio("lbf/in^2", "psi"), 1.0);
+  EXPECT_DOUBLE_EQ(ratio("N*m", "kg m²/s²"), 1.0);
+  for (const auto& [from, to] : {std::pair{"kN", "Pa"},
+                                 {"m", "s"},
+                                 {"V", "mV"},
+                                 {"N/(m", "N/m"},
+                                 {"m^", "m"},
+                                 {"", "m"},
+                                 {"m//s", "m/s"},
+                                 {"m s^", "m s"},
+                                 {"2", "1"},
+                                 {"m)", "m"},
+                                 {"m ", "m"}})
+    EXPECT_FALSE(unit_ratio(from, to)) << from << " " << to;
+}
+
+// N = A s: a bar with a section takes a force, and one without a force per area.
+TEST_F(Records, OfAForceHaveTheUnitOfTheWholeSection) {
+  write("record.csv", "t [s],F [kN]\n0,0\n3,1\n");
+  const std::string rest =
+      "[units]\nlength = \"m\"\ntime = \"s\"\nstress = \"Pa\"\n[left]\nkind = \"free\"\n"
+      "force = { file = \"record.csv\", column = \"F\", interpolation = \"linear\" }\n";
+  std::string with = bar;
+  with.insert(with.find("[time]"), "section = 1e-4\n");
+  EXPECT_DOUBLE_EQ(scene(with + rest).run.scene.left_input.force->value(3.0), 1000.0);
+  EXPECT_NE(refused(bar + rest).find("column F is in kN, and the scene's unit for it is Pa"), std::string::npos);
+}
+
 TEST_F(Records, AUnitThatTheSceneCannotPlaceIsRefusedAndNotPassedOver) {
   write("record.csv", "t [s],F [kN]\n0,0\n3,1\n");
   const std::string force =

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "case/regime.hpp"
@@ -9,6 +10,7 @@
 #include "input/unit_of_key.hpp"
 #include "laws/scene.hpp"
 #include "report/scene_check.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace viscobar::laws {
 namespace {
@@ -72,6 +74,30 @@ TEST(Law, ChoosesTheMethodAndTheMass) {
   EXPECT_EQ(parse_scene(scene(law), "", set).run.method, MethodName::arkode);
 }
 
+// Whose waves know no mesh.
+TEST(Law, IsForCharacteristicsWhereItIsLinearAndTheBarElastic) {
+  const Case run = parse_scene(scene("[contact]\nlaw = \"spring_damper\"\nstiffness = 30\ndamping = 0.5\n"), "").run;
+  EXPECT_EQ(run.method, MethodName::characteristics);
+  EXPECT_EQ(run.reservation, "");
+  // The waves are exact; the kinks of a mesh are wrong by h^(2/3) or less.
+  const Recording exact = record(run);
+  const auto off = [&](int elements) {
+    Case meshed = run;
+    meshed.method = MethodName::cvode;
+    meshed.elements = elements;
+    const Recording other = record(meshed);
+    double most = 0.0;
+    for (std::size_t k = 0; k < exact.times.size(); ++k)
+      most = std::max(most, std::abs(exact.displacement(k).front() - other.displacement(k).front()));
+    return most;
+  };
+  const double coarse = off(50), fine = off(800);
+  EXPECT_LT(fine, coarse / std::pow(16.0, 2.0 / 3.0)) << coarse;
+  const std::array<std::string, 1> set = {"contact.epsilon=1e-5"};
+  EXPECT_EQ(parse_scene(scene("[contact]\nlaw = \"spring_damper\"\nstiffness = 30\n"), "", set).run.method,
+            MethodName::cvode);
+}
+
 TEST(Law, IsRefusedByMethodsThatHaveNoSuchStop) {
   for (const char* method : {"rigid", "exponential", "characteristics", "fully_discrete", "finite_difference"}) {
     const std::string found =
@@ -100,7 +126,8 @@ TEST(Law, BesideASpanObstacleWantsAPenalisedMethod) {
   const Case run = parse_scene(scene(law), "").run;
   EXPECT_EQ(run.method, MethodName::cvode);
   EXPECT_EQ(natural_epsilon(run.scene), 1.0);
-  EXPECT_EQ(unit_of_key("contact.epsilon", run.scene), (UnitPowers{2, 0, -1}));  // a penetration per force on a volume
+  EXPECT_EQ(unit_of_key("contact.epsilon", run.scene),
+            (UnitPowers{2, 0, -1, -1}));  // a penetration per force on a volume
   const std::string found = findings(scene("[span]\ngap = 0.5\n", contact("hertz", 30)));
   EXPECT_NE(found.find("contact.epsilon: is missing: cvode, chosen for left.contact.law, penalises"), std::string::npos)
       << found;

@@ -369,7 +369,7 @@ TEST(FieldFile, SaysTheUnitsOfDerivativesWhereThatOfTheKeyIsKnown) {
   const Scratch scratch;
   FieldOrigin of;
   of.units = {"m", "s", "", "", "Pa"};
-  of.keys = {{"left.gap", UnitPowers{1, 0, 0}}, {"bar.viscosity", UnitPowers{0, 1, 1}}, {"parameters.speed"}};
+  of.keys = {{"left.gap", UnitPowers{1, 0, 0, 0}}, {"bar.viscosity", UnitPowers{0, 1, 1, 0}}, {"parameters.speed"}};
   FieldFile(scratch.path(), Mesh{1.0, 4}, 3, nullptr, of).close();
   const auto unit = [&](const char* dataset) {
     return attribute(scratch / "field.h5", (std::string("sensitivity/") + dataset).c_str(), "units");

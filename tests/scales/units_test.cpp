@@ -305,7 +305,7 @@ TEST_P(UnitsTest, AFitHasTheSameDigitsInAllUnits) {
 TEST_P(UnitsTest, ARowOfASweepHasTheSameDigitsInAllUnits) {
   const std::map<std::string_view, Dimension> of_unit = {{"1", none},          {"time", a_time},
                                                          {"length", a_length}, {"energy", an_energy},
-                                                         {"stress", a_stress}, {"stress x time", {-1, 1, -1}}};
+                                                         {"force", a_stress},  {"force x time", {-1, 1, -1}}};
   const Units units{5, -3, 8};
   for (unsigned seed = 20 * GetParam(); seed < 20 * GetParam() + 20; ++seed) {
     RandomText scene(seed);

@@ -193,6 +193,8 @@ struct Units {
   std::string mass;    ///< such as "kg"; a stress is then "kg/(m s^2)"
   std::string force;   ///< such as "N"; a stress is then "N/m^2"
   std::string stress;  ///< such as "Pa"
+  /// True of a scene with a section: its areas have a unit, and its forces are no stresses.
+  bool of_section = false;
 };
 
 /// The physical problem, free of any discretisation [Petrov 2010, (1.1)-(1.3)].
@@ -224,9 +226,12 @@ struct Finding {
   std::string problem;  ///< a sentence about its value
 };
 
-/// Why a method that knows no stop with a law of its own does not take ends that are given that; absent: they have
-/// none.
-std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right);
+/// Why a method that knows no stop with a law of its own, or linear ones alone, does not take these ends; absent: it
+/// takes them.
+std::optional<Finding> law_refusal(std::string_view method, const EndInput& left, const EndInput& right,
+                                   bool takes_linear = false);
+/// Why a method does not take a stop, that of `table`: "left", "joint.1".
+Finding law_refusal(std::string_view method, const Stop& stop, const std::string& table);
 
 /// All faults of a scene: values that are not finite or out of range, initial data that penetrate an
 /// obstacle at an end. Empty when the scene is sound.
@@ -252,10 +257,15 @@ inline bool has_contact_joint(const Scene& scene) {
 }
 /// True if that end of a member of a chain meets an obstacle or another member, itself or by a rigid body on it.
 bool meets_contact(const Scene& scene, std::size_t member, bool right);
-/// True if an end or a joint has a stop with a law of its own.
+/// True if an end or a joint has a stop with a law of its own that `holds(stop)` takes.
+template <class Holds>
+bool has_stops(const Scene& scene, Holds holds) {
+  const auto held = [&](const std::optional<Stop>& stop) { return stop && holds(*stop); };
+  return held(scene.left_input.stop) || held(scene.right_input.stop) || has_contact_joint(scene, held);
+}
+/// True if it has any.
 inline bool has_stops(const Scene& scene) {
-  return scene.left_input.stop || scene.right_input.stop ||
-         has_contact_joint(scene, [](const std::optional<Stop>& stop) { return stop.has_value(); });
+  return has_stops(scene, [](const Stop&) { return true; });
 }
 /// True if an obstacle has none, so that penalised methods give it the penalty.
 inline bool has_penalty(const Scene& scene) {

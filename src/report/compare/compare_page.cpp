@@ -183,7 +183,7 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
     });
     traces.range.add(0.0);
     const std::string axis = fmt::format("reaction, {}", end.name);
-    Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::stress)), 240.0);
+    Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::force)), 240.0);
     traces.draw(figure);
     panels.push_back({fmt::format("reaction-{}", end.name), "Reaction over time by each method: " + axis, figure});
   }

@@ -10,7 +10,7 @@
 namespace viscobar {
 
 /// Units of norms in L2 over the bar: of the root of the integral of u^2, u_x^2 or v^2 over x.
-inline constexpr UnitPowers u_norm{1.5, 0.0, 0.0}, strain_norm{0.5, 0.0, 0.0}, v_norm{1.5, -1.0, 0.0};
+inline constexpr UnitPowers u_norm{1.5, 0.0, 0.0, 0.0}, strain_norm{0.5, 0.0, 0.0, 0.0}, v_norm{1.5, -1.0, 0.0, 0.0};
 
 /// A run beside its difference to another; null: there is none.
 struct ComparedRun {

@@ -86,7 +86,7 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
   const Units& units = run.scene.units;
   Table table{{"where", "closings", with_unit("time in contact", units, Dimension::time),
                with_unit("impulse of the reaction", units, Dimension::impulse),
-               with_unit("peak reaction", units, Dimension::stress)},
+               with_unit("peak reaction", units, Dimension::force)},
               1,
               {}};
   const auto add = [&](std::string where, bool there, const auto& obstacle) {
@@ -143,7 +143,7 @@ Dimension dimension_of(Goal goal) {
   switch (goal) {
     case Goal::contact_times: return Dimension::time;
     case Goal::impulse: return Dimension::impulse;
-    case Goal::peak_reaction: return Dimension::stress;
+    case Goal::peak_reaction: return Dimension::force;
     case Goal::end_velocity: return Dimension::velocity;
     default: return Dimension::length;
   }

@@ -230,7 +230,7 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
     add(data.right, contacts_of("right", outcome, data), {plot::series_colour(1), !lines.empty(), 1.6}, "right end");
   if (run.scene.span) add(data.span, contacts_of_span(outcome, data), {plot::series_colour(2), false, 1.8}, "span");
   if (lines.empty()) return {};
-  const std::string axis = with_unit("reaction R", run.scene.units, Dimension::stress);
+  const std::string axis = with_unit("reaction R", run.scene.units, Dimension::force);
   return {"Reactions",
           fmt::format(
               "Force of the obstacle on {}, at the output times, and of each contact at its closing, its peak and its "
@@ -254,7 +254,7 @@ Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& 
                      {plot::series_colour(k), k % 2 == 1, 1.8},
                      names[k]});
   }
-  const std::string axis = with_unit("force N", run.scene.units, Dimension::stress);
+  const std::string axis = with_unit("force N", run.scene.units, Dimension::force);
   return {
       "Forces at joints",
       "Force that pushes the two sides of a joint apart, at the output times, and nothing where a contact closes or "

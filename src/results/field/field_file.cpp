@@ -179,8 +179,8 @@ void FieldFile::describe(const FieldOrigin& of) {
   of_dataset("line", "the two nodes of each element, for field.xdmf", "");
   for (const auto& [key, per] : of.keys)
     for (const auto& [name, words, quantity] :
-         {u, v, Meaning{"reaction_left", "reaction at the left end", Dimension::stress},
-          Meaning{"reaction_right", "reaction at the right end", Dimension::stress}})
+         {u, v, Meaning{"reaction_left", "reaction at the left end", Dimension::force},
+          Meaning{"reaction_right", "reaction at the right end", Dimension::force}})
       of_dataset("sensitivity/" + key + "/" + name, fmt::format("derivative with respect to {}: {}", key, words),
                  unit_name(of.units, quantity, per));
 }
