@@ -5,6 +5,7 @@
 #include "characteristics/function_of_time.hpp"
 #include "dynamics/pieces.hpp"
 #include "input/input_text.hpp"
+#include "input/scene_values.hpp"
 #include "kept.hpp"
 #include "results/csv.hpp"
 #include "scene/end_kinds.hpp"
@@ -364,6 +365,7 @@ PYBIND11_MODULE(_core, m) {
   m.attr("methods") = methods;
   bind_cases(m);
   bind_runs(m);
+  m.def("percentage", &percentage);
   m.def("text_of", [](const std::string& file) { return input_text(file); });
   m.def("parse", &parse, py::arg("text"), py::arg("source"), py::arg("functions"), py::arg("study") = "run");
   m.def("belongs_to_end", &belongs_to_end);

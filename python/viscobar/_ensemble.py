@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import numbers
 import operator
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
@@ -66,14 +65,12 @@ def _row(key: str, value: Any) -> np.ndarray:
 
 def _share(error: Any) -> float | None:
     """An error as a share of the largest value."""
-    if isinstance(error, str):
-        percentage = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*%\s*", error)
-        if not percentage:
-            raise ValueError(f'error: "{error}" is neither a number nor a percentage such as "1 %"')
-        return float(percentage[1]) / 100
-    if error is not None and not (isinstance(error, numbers.Real) and error > 0):
+    share = _core.percentage(error.strip()) if isinstance(error, str) else error
+    if isinstance(error, str) and share is None:
+        raise ValueError(f'error: "{error}" is neither a number nor a percentage such as "1 %"')
+    if share is not None and not (isinstance(share, numbers.Real) and share > 0):
         raise ValueError(f"error: a positive number or a percentage is wanted, not {error!r}")
-    return None if error is None else float(error)
+    return None if share is None else float(share)
 
 
 class Ensemble(Mapping[str, np.ndarray]):

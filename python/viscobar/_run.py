@@ -339,7 +339,7 @@ def run(
 ) -> Result:
     """Runs a scene and keeps the result in memory; the numbers are those of `viscobar run`, bit for bit.
 
-    scene     a viscobar.Scene, a dictionary with the same tables and keys, or the path of a scene file
+    scene     a viscobar.Scene, a dictionary with the same tables and keys, or the path or the text of a scene file
     method    name of the method in place of the scene's own: "automatic", "cvode", "ida", "arkode", "odeint", "rigid",
               "exponential", "characteristics", "fully_discrete", "finite_difference"; absent: the scene's, and automatic
               where it names none

@@ -50,7 +50,7 @@ class Scene(dict):
     stays as they do. What a mask hides is left out. They are short for the table of a series, {"t": times, "values": values},
     which may as well name a file (docs/scene-file.md).
 
-    Wherever a scene is wanted, a plain dictionary or the path of a scene file may be given as well.
+    Wherever a scene is wanted, a plain dictionary, the path of a scene file or its text may be given as well.
     """
 
     def __init__(self, scene: Mapping[str, Any] | None = None, /, *, validate: bool = True, **tables: Any):
@@ -184,10 +184,13 @@ def load(path: str | os.PathLike[str], *, validate: bool = True) -> Scene:
     """The scene of a file (TOML, docs/scene-file.md) as a Scene: tables and keys as they stand there.
 
     Errors of the file are raised as SceneError, with line, column, key and hint. validate=False leaves a scene that lacks
-    something to be completed.
+    something to be completed. A string of several lines is the text of a scene itself.
     """
     source = os.fspath(path)
-    text = _core.text_of(source)
+    if "\n" in source:
+        text, source = source, ""
+    else:
+        text = _core.text_of(source)
     if validate:
         _core.parse(text, source, {})
     try:
@@ -207,7 +210,7 @@ def as_scene(scene: SceneLike, method: str | None = None, set: Mapping[str, Any]
     if isinstance(scene, (str, os.PathLike)):
         scene = load(scene, validate=False)
     elif not isinstance(scene, Mapping):
-        raise TypeError(f"a scene is a dictionary, a viscobar.Scene or the path of a scene file, not {type(scene).__name__}")
+        raise TypeError(f"a scene is a dictionary, a viscobar.Scene, or the path or text of a scene file, not {type(scene).__name__}")
     changes = dict(set or {})
     if method is not None:
         changes["method.name"] = method

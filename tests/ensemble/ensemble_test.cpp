@@ -89,6 +89,7 @@ TEST(Ensemble, AContactTimeIsNoBetterThanAStep) {
     const EnsembleResult found = ensemble(study);
     for (std::size_t i = 0; i < found.bars; ++i) {
       EXPECT_EQ(found.status[i], BarStatus::kept);
+      EXPECT_EQ(found.ways[i], error < 5e-3 ? BarWay::alone : BarWay::lanes);
       EXPECT_LE(std::abs(found.values[0][i] - made.values[0][i]) / 0.5, found.error[i]) << error << " " << i;
     }
   }

@@ -21,6 +21,13 @@ class SceneTest(Test):
                     table["force"]["file"] = str((path.parent / table["force"]["file"]).resolve())
             self.assertEqual(viscobar.load(path), said, path)
 
+    def test_of_several_lines_is_the_text_of_a_scene(self):
+        text = "[bar]\nlength = 2.0\n[initial]\nvelocity = 1.0\n[time]\nend = 1.0\n"
+        self.assertEqual(viscobar.load(text)["bar"]["length"], 2.0)
+        self.assertEqual(viscobar.run(text).summary["scene"]["bar"]["length"], 2.0)
+        with self.assertRaisesRegex(viscobar.SceneError, "^2:.*: bar.length"):
+            viscobar.load(text.replace("2.0", "-2.0"))
+
     def test_comes_back_from_its_own_text(self):
         scene = viscobar.Scene(thrown(), title='a "quoted" \\ title\x7f\n with é and 😀')
         self.assertEqual(tomllib.loads(scene.toml()), scene)
