@@ -5,7 +5,9 @@
 #include <random>
 #include <stdexcept>
 
+#include "dynamics/gauge.hpp"
 #include "ensemble/random_ensemble.hpp"
+#include "viscobar/case/recording.hpp"
 
 namespace {
 
@@ -93,6 +95,72 @@ TEST(Ensemble, AContactTimeIsNoBetterThanAStep) {
       EXPECT_LE(std::abs(found.values[0][i] - made.values[0][i]) / 0.5, found.error[i]) << error << " " << i;
     }
   }
+}
+
+TextEnsemble struck_bars() {
+  TextEnsemble made{
+      "[[bar]]\nlength = 0.5\nviscosity = 0.02\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.02\n[[joint]]\n"
+      "kind = \"contact\"\ngap = 0.05\n[right]\nkind = \"fixed\"\n[initial]\nvelocity = 0.0\n[time]\nend = 2.0\n"
+      "[mesh]\nelements = 30\n",
+      {"bar.2.modulus", "joint.1.gap"},
+      {{}, {}}};
+  for (int i = 0; i < 12; ++i) {
+    made.values[0].push_back(0.5 + 0.1 * i);
+    made.values[1].push_back(0.03 + 0.01 * (i % 5));
+  }
+  return made;
+}
+
+// By the scene's own method: bits of a plain run.
+TEST(Ensemble, OfBarsInLineTellsWhatARunTells) {
+  TextEnsemble made = struck_bars();
+  made.scene += "[method]\nname = \"rigid\"\n[output]\nevery = 0.25\n";
+  EnsembleStudy study = made.study();
+  study.outputs = {"u_right:1@0.25", "gauge:1@0.25", "events:3", "impulse_joint:1", "peak_joint:1", "force:1@0.25"};
+  const EnsembleResult found = ensemble(study);
+  ASSERT_EQ(found.bars, 12u);
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    EXPECT_EQ(found.status[i], BarStatus::kept);
+    EXPECT_EQ(found.ways[i], BarWay::alone);
+    const Case run = made.run(made.of(i));
+    const Recording truth = record(run);
+    const BarSystem system = resolve(run).system();
+    const JointNodes joint = system.joints().front();
+    const Gauge gauge(system.mesh(), run.scene, 1.0);
+    const std::size_t times = truth.times.size();
+    ASSERT_EQ(found.outputs[0].width(), times);
+    for (std::size_t k = 0; k < times; ++k) {
+      EXPECT_EQ(found.values[0][i * times + k], truth.displacement(k)[joint.node]);
+      EXPECT_EQ(found.values[1][(i * times + k) * 4 + 3], gauge(truth.displacement(k), truth.velocity(k)).stress);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double change = found.values[2][3 * i + k];
+      if (k < truth.events.size())
+        EXPECT_EQ(change, truth.events[k].time);
+      else
+        EXPECT_TRUE(std::isnan(change));
+    }
+    EXPECT_GE(truth.events.size(), 2u);
+    const JointAccount& account = truth.statistics.account->joints.front();
+    EXPECT_EQ(found.values[3][i], account.impulse);
+    EXPECT_EQ(found.values[4][i], account.peak_reaction);
+    EXPECT_GT(account.impulse, 0.0);
+  }
+  EXPECT_GT(std::ranges::max(found.values[5]), 0.0);
+}
+
+TEST(Ensemble, OfBarsInLineKeepsItsErrorOrSaysThatItDoesNot) {
+  TextEnsemble made = struck_bars(), exact = by_method(struck_bars(), "name = \"rigid\"\nrelative_tolerance = 1e-11\n");
+  EnsembleStudy study = made.study(), truth = exact.study();
+  study.outputs = truth.outputs = {"u_left:1@0.03", "impulse_joint:1", "events:2"};
+  study.error = 1e-4;
+  const EnsembleResult found = ensemble(study), true_values = ensemble(truth);
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    EXPECT_EQ(found.status[i], BarStatus::kept);
+    EXPECT_LE(error_of(found, true_values, i, 2), 3.0 * found.error[i]) << i;
+  }
+  study.outputs = {"force:2@0.1"};
+  EXPECT_THROW(ensemble(study), std::invalid_argument) << "two bars have one joint";
 }
 
 // A bar that falls at speed 1 on an obstacle below all of it, which stops it node by node: at rest at -gap.

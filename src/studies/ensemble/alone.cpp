@@ -1,12 +1,74 @@
 #include "studies/ensemble/alone.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "case/method_table.hpp"
+#include "studies/column_reader.hpp"
 
 namespace viscobar::bars {
+
+namespace {
+
+/// Takes what the outputs of a bar, or of bars in line, are from its states.
+class Reader {
+ public:
+  Reader(const Layout& layout, const BarSystem& system, const Scene& scene)
+      : layout_(layout), joints_(system.joints()) {
+    using Kind = EnsembleOutput::Kind;
+    for (const EnsembleOutput& output : layout.outputs) {
+      auto& column = columns_.emplace_back();
+      auto& gauge = gauges_.emplace_back();
+      if (output.kind == Kind::trace) column.emplace(output.column, output.place, system, scene);
+      if (output.kind == Kind::gauge) gauge.emplace(system.mesh(), scene, output.place);
+    }
+  }
+
+  /// At layout.times[t], the looks from the last one on.
+  void operator()(const Snapshot& at, BarValues& values) {
+    const double time = layout_.looks[look_].time;
+    for (; look_ < layout_.looks.size() && layout_.looks[look_].time == time; ++look_) {
+      const auto [when, i, k] = layout_.looks[look_];
+      if (i == Layout::Look::probe) {
+        probe(at, k, values);
+        continue;
+      }
+      double* const to = &values.values[layout_.first[i]];
+      if (columns_[i]) {
+        to[k] = (*columns_[i])(at);
+        continue;
+      }
+      if (!gauges_[i] && 2 * at.u.size() != layout_.outputs[i].width())
+        throw std::runtime_error(fmt::format("it has {} nodes where others have {}: give each bar its elements",
+                                             at.u.size(), layout_.outputs[i].width() / 2));
+      write_fields(gauges_[i] ? &*gauges_[i] : nullptr, at.u, at.v, gauges_[i] ? to + 4 * k : to);
+    }
+  }
+
+ private:
+  void probe(const Snapshot& at, std::size_t k, BarValues& values) const {
+    if (k < BarValues::probes) values.ends[0][k] = at.u.front(), values.ends[1][k] = at.u.back();
+    values.largest = std::max({values.largest, std::abs(at.u.front()), std::abs(at.u.back())});
+    for (const JointNodes& joint : joints_)
+      for (const double u : {at.u[joint.node - 1], at.u[joint.node]}) {
+        values.joints.push_back(u);
+        values.largest = std::max(values.largest, std::abs(u));
+      }
+  }
+
+  const Layout& layout_;
+  const std::vector<JointNodes>& joints_;
+  std::vector<std::optional<ColumnReader>> columns_;
+  std::vector<std::optional<Gauge>> gauges_;
+  std::size_t look_ = 0;
+};
+
+}  // namespace
 
 Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop) {
   const Case& run = setup.run;
@@ -14,7 +76,7 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
   std::size_t steps = 0;
   const auto once = [&] {
     auto values = std::make_unique<BarValues>(layout);
-    std::size_t look = 0;
+    Reader read(layout, system, run.scene);
     std::vector<double> changes;
     Observers observers;
     observers.off_the_clock = false;
@@ -22,9 +84,7 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
     observers.interior = layout.fields;
     observers.account = layout.impulses || layout.extremes;
     observers.extremes = layout.extremes;
-    observers.snapshot = [&](const Snapshot& at) {
-      look = values->look(layout, run.scene.bar, look, {at.u, at.v, at.reaction_left, at.reaction_right});
-    };
+    observers.snapshot = [&](const Snapshot& at) { read(at, *values); };
     observers.event = [&](const Event& event) {
       if (changes.size() < layout.most_changes) changes.push_back(event.time);
     };
@@ -33,9 +93,16 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
     if (!done.completed) throw Stopped();
     steps = done.steps;
     values->changes_at(layout, changes);
-    if (done.account)
-      values->accounts(layout, {done.account->left.impulse, done.account->right.impulse},
-                       {done.account->left.peak_reaction, done.account->right.peak_reaction});
+    if (done.account) {
+      std::vector<double> impulses, peaks;
+      const auto tell = [&](const auto& account) {
+        impulses.push_back(account.impulse), peaks.push_back(account.peak_reaction);
+      };
+      tell(done.account->left), tell(done.account->right);
+      for (std::size_t k = 0; k + 1 < run.scene.chain.size(); ++k)
+        tell(k < done.account->joints.size() ? done.account->joints[k] : JointAccount());
+      values->accounts(layout, impulses, peaks);
+    }
     return values;
   };
   // Finer by the tolerance, or by the step of a scheme that the scene left open.

@@ -14,9 +14,10 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
     const EnsembleOutput& output = outputs[i];
     first.push_back(width);
     width += output.width();
-    fields |= output.kind == Kind::gauge || output.kind == Kind::final;
+    fields |= output.kind == Kind::gauge || output.kind == Kind::final || !run.scene.chain.empty();
     reactions |= output.kind == Kind::trace &&
-                 (output.column == TraceColumn::reaction_left || output.column == TraceColumn::reaction_right);
+                 (output.column == TraceColumn::reaction_left || output.column == TraceColumn::reaction_right ||
+                  output.column == TraceColumn::force_of);
     extremes |= output.kind == Kind::peak;
     impulses |= output.kind == Kind::impulse;
     most_changes = std::max(most_changes, output.most);
@@ -48,34 +49,14 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
 
 BarValues::BarValues(const Layout& layout) : values(layout.width, std::numeric_limits<double>::quiet_NaN()) {}
 
-void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, const Fields& at, std::size_t k,
-          double* to) {
-  using Kind = EnsembleOutput::Kind;
-  if (output.kind == Kind::trace) {
-    to[k] = ColumnReader(output.column)(at);
-  } else if (output.kind == Kind::gauge) {
-    Mesh mesh = layout.mesh;
-    mesh.length = bar.length;
-    const Gauge::Reading reading = Gauge(mesh, bar, output.place)(at.u, at.v);
-    to[4 * k] = reading.u, to[4 * k + 1] = reading.v, to[4 * k + 2] = reading.strain, to[4 * k + 3] = reading.stress;
+void write_fields(const Gauge* gauge, std::span<const double> u, std::span<const double> v, double* to) {
+  if (gauge) {
+    const Gauge::Reading reading = (*gauge)(u, v);
+    to[0] = reading.u, to[1] = reading.v, to[2] = reading.strain, to[3] = reading.stress;
   } else {
-    std::ranges::copy(at.u, to);
-    std::ranges::copy(at.v, to + at.u.size());
+    std::ranges::copy(u, to);
+    std::ranges::copy(v, to + u.size());
   }
-}
-
-std::size_t BarValues::look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at) {
-  const double time = layout.looks[look].time;
-  for (; look < layout.looks.size() && layout.looks[look].time == time; ++look) {
-    const auto [when, i, k] = layout.looks[look];
-    if (i != Layout::Look::probe) {
-      read(layout, layout.outputs[i], bar, at, k, &values[layout.first[i]]);
-      continue;
-    }
-    if (k < probes) ends[0][k] = at.u.front(), ends[1][k] = at.u.back();
-    largest = std::max({largest, std::abs(at.u.front()), std::abs(at.u.back())});
-  }
-  return look;
 }
 
 void BarValues::changes_at(const Layout& layout, std::span<const double> times) {
@@ -86,13 +67,13 @@ void BarValues::changes_at(const Layout& layout, std::span<const double> times) 
                   values.begin() + static_cast<std::ptrdiff_t>(layout.first[i]));
 }
 
-void BarValues::accounts(const Layout& layout, const std::array<double, 2>& of_impulse,
-                         const std::array<double, 2>& peak) {
-  impulse = of_impulse;
+void BarValues::accounts(const Layout& layout, std::span<const double> of_impulse, std::span<const double> peak) {
+  std::ranges::copy(of_impulse.first(2), impulse.begin());
+  impulses.assign(of_impulse.begin() + 2, of_impulse.end());
   for (std::size_t i = 0; i < layout.outputs.size(); ++i) {
     const EnsembleOutput& output = layout.outputs[i];
-    if (output.kind == EnsembleOutput::Kind::impulse) values[layout.first[i]] = of_impulse[output.right];
-    if (output.kind == EnsembleOutput::Kind::peak) values[layout.first[i]] = peak[output.right];
+    if (output.kind == EnsembleOutput::Kind::impulse) values[layout.first[i]] = of_impulse[output.account];
+    if (output.kind == EnsembleOutput::Kind::peak) values[layout.first[i]] = peak[output.account];
   }
 }
 
@@ -101,12 +82,17 @@ double difference(const Layout& layout, const BarValues& a, const BarValues& b, 
   for (const bool right : {false, true})
     for (std::size_t k = 0; k < BarValues::probes; ++k)
       largest = std::max(largest, std::abs(a.ends[right][k] - b.ends[right][k]));
+  for (std::size_t k = 0; k < a.joints.size(); ++k) largest = std::max(largest, std::abs(a.joints[k] - b.joints[k]));
   const double size = std::max(a.largest, b.largest);
   double worst = size > 0.0 ? largest / size : 0.0;
   if (layout.impulses) {
-    const double most = std::max(std::abs(b.impulse[0]), std::abs(b.impulse[1]));
-    for (const bool right : {false, true})
-      if (most > 0.0) worst = std::max(worst, std::abs(a.impulse[right] - b.impulse[right]) / most);
+    double most = std::max(std::abs(b.impulse[0]), std::abs(b.impulse[1])), apart = 0.0;
+    for (const bool right : {false, true}) apart = std::max(apart, std::abs(a.impulse[right] - b.impulse[right]));
+    for (std::size_t k = 0; k < b.impulses.size(); ++k) {
+      most = std::max(most, std::abs(b.impulses[k]));
+      apart = std::max(apart, std::abs(a.impulses[k] - b.impulses[k]));
+    }
+    if (most > 0.0) worst = std::max(worst, apart / most);
   }
   if (layout.most_changes > 0) {
     // A change that only one of them has is an error of its whole time.

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "studies/column_reader.hpp"
+#include "dynamics/gauge.hpp"
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 namespace viscobar::bars {
@@ -36,33 +36,26 @@ struct Layout {
   Mesh mesh;  // of length 1
 };
 
-/// A state of a bar: all nodes, or its two ends.
-struct Fields {
-  std::span<const double> u, v;
-  double reaction_left, reaction_right;
-};
-
 /// The values of one bar and what tells their error from those of another run of it.
 struct BarValues {
   static constexpr std::size_t probes = 64;
 
   BarValues() = default;  // without values
   explicit BarValues(const Layout& layout);
-  /// At layout.times[t], the looks from `look` on; returns the first of the next time.
-  std::size_t look(const Layout& layout, const Bar& bar, std::size_t look, const Fields& at);
   void changes_at(const Layout& layout, std::span<const double> times);
-  void accounts(const Layout& layout, const std::array<double, 2>& impulse, const std::array<double, 2>& peak);
+  /// By the numbers of EnsembleOutput::account.
+  void accounts(const Layout& layout, std::span<const double> impulse, std::span<const double> peak);
 
   std::vector<double> values;                        // layout.width
   std::array<std::array<double, probes>, 2> ends{};  // u at times j period, j from 1 on
   std::vector<double> changes;
   std::array<double, 2> impulse{};
-  double largest = 0.0;  // |u| of probes and start
+  double largest = 0.0;                  // |u| of probes and start
+  std::vector<double> joints, impulses;  // of a chain: u of both sides of its joints at the same times; of joints
 };
 
-/// Writes what an output of a bar is in a state: the k-th number of a trace, the k-th four of a gauge, or all nodes.
-void read(const Layout& layout, const EnsembleOutput& output, const Bar& bar, const Fields& at, std::size_t k,
-          double* to);
+/// Writes the four numbers of a gauge, or without one u and v of all nodes.
+void write_fields(const Gauge* gauge, std::span<const double> u, std::span<const double> v, double* to);
 
 /// No estimate is smaller.
 inline constexpr double rounding = 1e-12;

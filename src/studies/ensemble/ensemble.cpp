@@ -38,16 +38,11 @@ class EnsembleRun {
     if (study.error && !(*study.error > 0.0 && *study.error < 1.0))
       throw std::invalid_argument(fmt::format("error: is a share between 0 and 1, is {}", *study.error));
     const Case& run = first_.run;
-    if (!run.scene.chain.empty())
-      throw std::invalid_argument(
-          fmt::format("bar.1.length: an ensemble takes one bar, and here are {} in line; `viscobar run` and `sweep` "
-                      "take those",
-                      run.scene.chain.size()));
     std::vector<EnsembleOutput> outputs;
     for (const std::string& text : study.outputs) outputs.push_back(ensemble_output(text, run));
     layout_.emplace(std::move(outputs), run, study.error.has_value());
-    const bool rigid = study.error && wants_limit(run);
-    if (study.lanes && (rigid || run.method == MethodName::fully_discrete))
+    const bool rigid = study.error && run.automatic && run.method == MethodName::rigid;
+    if (study.lanes && run.scene.chain.empty() && (rigid || run.method == MethodName::fully_discrete))
       members_.emplace(run, first_.mass, study.keys);
     if (members_ && (!members_->pattern() || holds_reactions())) members_.reset();
     shared_ = {run.end, first_.step, run.start, run.elements, study.error, rigid};
@@ -108,11 +103,15 @@ class EnsembleRun {
     }
   }
 
-  // The setup of a bar, by `rigid` where an error is asked for and the scene leaves the method open.
+  // The setup of a bar, by `rigid` where an error is asked for, the scene leaves the method open and rigid takes it.
   Setup setup_of(std::size_t bar) const {
-    Case run = study_.model(values_of(bar));
-    if (study_.error && wants_limit(run)) run.method = MethodName::rigid;
-    return resolve(std::move(run));
+    const Case run = study_.model(values_of(bar));
+    if (study_.error && wants_limit(run)) {
+      Case by_rigid = run;
+      by_rigid.method = MethodName::rigid;
+      if (Setup setup = resolve(std::move(by_rigid)); faults(setup).empty()) return setup;
+    }
+    return resolve(run);
   }
 
   // The first bar that can be run: it tells what they have in common.

@@ -104,7 +104,8 @@ void LaneLevels::told(std::size_t bar, std::size_t lane_of, std::unique_ptr<BarV
   values->values.resize(layout_.width);
   for (std::size_t k = 0; k < layout_.width; ++k) values->values[k] = lane(values_[k], lane_of);
   values->changes_at(layout_, accounts_.changes[lane_of]);
-  values->accounts(layout_, values->impulse, {lane(accounts_.peak[0], lane_of), lane(accounts_.peak[1], lane_of)});
+  const std::array<double, 2> impulse = values->impulse;
+  values->accounts(layout_, impulse, std::array{lane(accounts_.peak[0], lane_of), lane(accounts_.peak[1], lane_of)});
   tell_(bar, {std::move(values), error, steps_at(level)});
 }
 
@@ -166,8 +167,14 @@ void LaneLevels::look(std::span<const Waiting> pack, const LaneSample& at) {
       for (std::size_t j = 0; j < n; ++j) u_[j + before] = lane(at.u[j], l), v_[j + before] = lane(at.v[j], l);
       for (const bool right : {false, true})
         if (pattern.fixed(right)) (right ? u_.back() : u_.front()) = lane(u[right], l);
-      const bool gauge = output.kind == EnsembleOutput::Kind::gauge;
-      read(layout_, output, pack[l].own.member.bar, {u_, v_, 0.0, 0.0}, 0, reading_.data());
+      const Bar& bar = pack[l].own.member.bar;
+      std::optional<Gauge> gauge;
+      if (output.kind == EnsembleOutput::Kind::gauge) {
+        Mesh mesh = layout_.mesh;
+        mesh.length = bar.length;
+        gauge.emplace(mesh, bar, output.place);
+      }
+      write_fields(gauge ? &*gauge : nullptr, u_, v_, reading_.data());
       const std::size_t first = gauge ? 4 * k : 0, count = gauge ? 4 : output.width();
       for (std::size_t j = 0; j < count; ++j) to[first + j][l] = reading_[j];
     }

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "studies/column_reader.hpp"
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 namespace viscobar {
@@ -13,8 +14,8 @@ namespace viscobar {
 namespace {
 
 constexpr std::string_view known =
-    "an output is COLUMN@EVERY with a column of ends.csv, gauge:X@EVERY, events:COUNT, impulse_left, impulse_right, "
-    "peak_left, peak_right or final";
+    "an output is COLUMN@EVERY with a column of ends.csv or joints.csv, gauge:X@EVERY, events:COUNT, impulse_left, "
+    "impulse_right, impulse_joint:K, the same of peak, or final";
 
 [[noreturn]] void refuse(std::string_view text, std::string_view why) {
   throw std::invalid_argument(fmt::format("outputs: \"{}\" {}; {}", text, why, known));
@@ -28,6 +29,14 @@ double number_in(std::string_view text, std::string_view digits) {
   return value;
 }
 
+// The numbers of the joints that are contacts.
+std::vector<std::size_t> contacts_of(const Scene& scene) {
+  std::vector<std::size_t> all;
+  for (std::size_t k = 1; k < scene.chain.size(); ++k)
+    if (scene.chain[k - 1].joint.kind == JointKind::contact) all.push_back(k);
+  return all;
+}
+
 }  // namespace
 
 std::size_t EnsembleOutput::width() const {
@@ -38,12 +47,16 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   using Kind = EnsembleOutput::Kind;
   EnsembleOutput output;
   output.name = text;
-  for (const bool right : {false, true})
-    for (const auto& [kind, word] : {std::pair{Kind::impulse, "impulse_"}, {Kind::peak, "peak_"}})
-      if (text == std::string(word) + (right ? "right" : "left")) {
-        output.kind = kind, output.right = right;
-        return output;
-      }
+  for (const auto& [kind, word] : {std::pair{Kind::impulse, std::string("impulse_")}, {Kind::peak, "peak_"}}) {
+    output.kind = kind;
+    if (text == word + "left") return output;
+    output.account = 1;
+    if (text == word + "right") return output;
+    for (const std::size_t k : contacts_of(run.scene)) {
+      output.account = 1 + k;
+      if (text == fmt::format("{}joint:{}", word, k)) return output;
+    }
+  }
   if (text == "final") {
     output.shape = {2, run.mesh().nodes()};
     return output;
@@ -60,7 +73,9 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   const std::string_view what = text.substr(0, at);
   const bool gauge = what.starts_with("gauge:");
   const auto column = gauge ? std::nullopt : trace_column(what);
-  if (!gauge && !(column && column->first <= TraceColumn::reaction_right)) refuse(text, "is not known");
+  if (!gauge && (!column || is_of_gauge(column->first))) refuse(text, "is not known");
+  if (!gauge && is_of_joint(column->first))
+    if (const auto why = place_refusal(column, run.scene)) refuse(text, *why);
   if (at == text.npos) refuse(text, "does not say how often: @0.1 is every 0.1");
   Case every = run;
   every.output_every = number_in(text, text.substr(at + 1));
@@ -70,7 +85,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   output.shape = {output.times.size()};
   output.kind = gauge ? Kind::gauge : Kind::trace;
   if (!gauge) {
-    output.column = column->first;
+    output.column = column->first, output.place = column->second;
     return output;
   }
   output.place = number_in(text, what.substr(6));

@@ -20,17 +20,19 @@ namespace viscobar {
 ///     u_left@0.1        a column of ends.csv at 0, 0.1, 0.2, ..., and the end            K numbers
 ///     gauge:0.25@0.01   u, v, strain and stress at x = 0.25, at such times               K x 4
 ///     events:8          times of the first eight contact changes, NaN beyond the last    8
-///     impulse_left      int R dt of an end                                               1
-///     peak_left         max |R| of an end                                                1
+///     impulse_left      int R dt of an end, or impulse_joint:1 of a joint                1
+///     peak_left         max |R| of an end, or peak_joint:1                               1
 ///     final             u and v of all nodes at the end                                  2 x (J+1)
+///
+/// Columns of joints.csv are traces, too: force:1@0.1.
 struct EnsembleOutput {
-  /// The rows above: columns of ends.csv, gauges, and so on.
+  /// The rows above: columns of ends.csv and joints.csv, gauges, and so on.
   enum class Kind { trace, gauge, events, impulse, peak, final };
   std::string name;                ///< the text
   Kind kind = Kind::final;         ///< of the quantity
   TraceColumn column{};            ///< of a trace
-  bool right = false;              ///< which end an impulse or a peak is of
-  double place = 0.0;              ///< x of a gauge
+  std::size_t account = 0;         ///< of an impulse or a peak: 0 of the left end, 1 of the right one, 1 + k of joint k
+  double place = 0.0;              ///< x of a gauge, number of the joint of a trace
   std::size_t most = 0;            ///< contact changes that are told
   std::vector<double> times;       ///< of a trace or gauge
   std::vector<std::size_t> shape;  ///< of one bar's values; empty: a number
@@ -65,7 +67,7 @@ struct EnsembleStudy {
   std::vector<std::span<const double>> values;  ///< of each key: one a bar, or one for all
   std::vector<std::string> outputs;             ///< see EnsembleOutput
   /// The error of integration in time that each bar may have, as a share of the largest value of each quantity: the
-  /// displacements of the ends and of the middle, and the contact times and impulses that are asked for. The error of
+  /// displacements of the ends and of joints, and the contact times and impulses that are asked for. The error of
   /// the mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
   std::optional<double> error;
   bool lanes = true;                                                ///< false: each bar by a run of its own
