@@ -65,10 +65,12 @@ class Run {
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
       find_contacts_at_ends();
-      if (checkpoint)
+      if (checkpoint) {
         go_on(*checkpoint);
-      else
+      } else {
         begin_accounts(std::get<State>(start_), taken);
+        close_at_start(std::get<State>(start_));
+      }
       if (statistics_.account) watch_ends();
       statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
@@ -226,6 +228,19 @@ class Run {
     }
     account.span.impulse = of_span(step_->start_impulse());
     account.span.peak_reaction = account.span.latest.raise(of_span(step_->reaction_before()), times_.front());
+  }
+
+  // A node that moves in closes its contact where the data touch, at t_0, or else where u^1 does.
+  void close_at_start(const State& start) {
+    for (std::size_t k = 0; k < was_active_.size(); ++k) {
+      const Contact& contact = step_->contacts()[k];
+      const double velocity = contact.of(start.v);
+      if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < 0.0)) continue;
+      const bool touches = contact.sign * contact.of(start.u) + gap(k, 0) <= 0.0;
+      if (!touches && step_->clearance(k, time(1), contact.of(step_->u())) > 0.0) continue;
+      was_active_[k] = 1;
+      tell(time(touches ? 0 : 1), k, Change::closing, velocity);
+    }
   }
 
   EndAccount& account_of(bool right) { return right ? statistics_.account->right : statistics_.account->left; }

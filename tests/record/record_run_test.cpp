@@ -1,5 +1,6 @@
 #include "viscobar/record/record_run.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -161,6 +162,23 @@ TEST(RecordRun, WarnsInTheSummaryWhereAutomaticCannotTakeTheExactMethod) {
   EXPECT_EQ(summary["method_requested"], "automatic");
   ASSERT_FALSE(summary["warnings"].empty());
   EXPECT_TRUE(summary["warnings"][0].get<std::string>().starts_with("automatic chose rigid")) << summary["warnings"];
+}
+
+TEST(RecordRun, WarnsOfImpactsThatNoContactFollows) {
+  const auto warnings = [](int elements) {
+    const Scratch scratch;
+    record_run(
+        parse_scene(fmt::format("[bar]\nlength = 1\nviscosity = 0.01\n[left]\nkind = \"obstacle\"\ngap = 0.1\n"
+                                "[right]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\ndisplacement = \"x*(1-x)\"\n"
+                                "velocity = \"-x*(1-x)\"\n[time]\nend = 6\n[mesh]\nelements = {}\n",
+                                elements),
+                    ""),
+        scratch.path());
+    return summary_in(scratch.path())["warnings"].dump();
+  };
+  EXPECT_NE(warnings(2).find("touches: the left end strikes its obstacle and is pulled away at once"),
+            std::string::npos);
+  EXPECT_EQ(warnings(27).find("touches:"), std::string::npos);
 }
 
 }  // namespace

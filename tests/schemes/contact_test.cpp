@@ -37,6 +37,24 @@ TEST(FullyDiscreteContact, RigidFlightMeetsTheObstacleWithinAStepAtTheSpeedOfFli
   }
 }
 
+// As with every other method: at t = 0 with the speed of the data; apart by less than a step, where u^1 touches.
+TEST(FullyDiscreteContact, ABarThatMovesInFromATouchClosesThereAndThen) {
+  for (const Mass mass : all_masses)
+    for (const double gap : {0.0, 0.004}) {
+      Scene scene;
+      scene.bar.viscosity = 0.1;
+      scene.left = Obstacle{gap};
+      scene.displacement = [](double) { return 0.0; };
+      scene.velocity = [](double) { return -1.0; };
+      const auto run = run_steps(BarSystem(scene, {1.0, 20}, mass), 0.01, 2.5);
+      ASSERT_GE(run.events.size(), 2u);
+      EXPECT_EQ(run.events[0].change, Change::closing);
+      EXPECT_EQ(run.events[0].time, gap > 0.0 ? 0.01 : 0.0) << gap;
+      EXPECT_EQ(run.events[0].velocity, -1.0);
+      EXPECT_NEAR(run.events[1].time, 1.9124710098 + gap, 0.05) << name(mass);
+    }
+}
+
 // A rod of mass 1 with a mass M on its end touches at speed 1: E(0) = (1 + M) / 2, and the scheme stops M at once.
 TEST(FullyDiscreteContact, WhatTheStartTakesAtATouchIsDissipatedAndNotForgotten) {
   for (const char* method : {"fully_discrete", "finite_difference"}) {

@@ -24,6 +24,7 @@ namespace {
 // The error estimate is one of h^8.
 constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
 constexpr double worth_a_factor = 1.25;    // growth of the step, in which a new factor pays
+constexpr int most_unsound = 20;           // trials of a step that are not finite, each a tenth of the one before
 constexpr double next_after_impact = 3.0;  // of the first step after the impact before, that of the next one
 
 class Stepper final : public LegStepper {
@@ -75,10 +76,15 @@ class Stepper final : public LegStepper {
     std::swap(begin_y_, end_y_);
     begin_t_ = end_t_;
     weights_.fill(begin_y_, weight_);
-    for (;;) {
+    for (int unsound = 0;;) {
       const double h = next_length();
       const double error = attempt(h);
-      if (!std::isfinite(error)) throw not_finite();
+      if (!std::isfinite(error)) {
+        // The first step may be as long as the run, and leave its matrix no digit of the inertia.
+        if (++unsound > most_unsound) throw not_finite();
+        step_ = 0.1 * h;
+        continue;
+      }
       if (error <= 1.0) {
         if (std::exchange(stirred_, false) && h < stop_ - begin_t_) stirred_step_ = h;
         grow(h, error);
