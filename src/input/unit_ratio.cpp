@@ -24,11 +24,16 @@ struct Size {
 };
 
 constexpr std::array<double, 3> length{1, 0, 0}, time{0, 1, 0}, mass{0, 0, 1}, force{1, -2, 1}, stress{-1, -2, 1};
-{"%", {0.01, {}}}, {"min", {60.0, time}}, {"h", {3600.0, time}}, {"sec", {1, time}}, {"seconds", {1, time}},
-    {"in", {0.0254, length}}, {"ft", {0.3048, length}}, {"t", {1e3, mass}}, {"lbf", {4.4482216152605, force}}, {
-  "psi", { 6894.757293168361, stress }
-}
-};
+constexpr std::pair<std::string_view, Size> whole[] = {{"%", {0.01, {}}},
+                                                       {"min", {60.0, time}},
+                                                       {"h", {3600.0, time}},
+                                                       {"sec", {1, time}},
+                                                       {"seconds", {1, time}},
+                                                       {"in", {0.0254, length}},
+                                                       {"ft", {0.3048, length}},
+                                                       {"t", {1e3, mass}},
+                                                       {"lbf", {4.4482216152605, force}},
+                                                       {"psi", {6894.757293168361, stress}}};
 constexpr std::pair<std::string_view, Size> with_prefix[] = {
     {"Pa", {1, stress}}, {"s", {1, time}}, {"m", {1, length}}, {"N", {1, force}}, {"g", {1e-3, mass}}};
 constexpr std::pair<std::string_view, double> prefixes[] = {
