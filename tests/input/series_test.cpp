@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "input/described_scene.hpp"
+#include "input/trace_file.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::testing_series {
