@@ -9,15 +9,16 @@
 namespace viscobar::characteristics {
 
 std::vector<LineBar> bars_of(const Scene& scene) {
-  const auto of = [](std::size_t member, double begin, const Bar& bar, double area) {
+  const auto of = [](std::size_t member, double begin, const Bar& bar, const SpaceFunction& section) {
+    const double area = section ? section(0.0) : 1.0;
     return LineBar{member, begin, bar.length, bar.density, area, std::sqrt(bar.modulus / bar.density)};
   };
-  if (scene.chain.empty()) return {of(0, 0.0, scene.bar, 1.0)};
+  if (scene.chain.empty()) return {of(0, 0.0, scene.bar, scene.section)};
   std::vector<LineBar> bars;
   double begin = 0.0;
   for (std::size_t m = 0; m < scene.chain.size(); ++m) {
     const Member& member = scene.chain[m];
-    if (!member.rigid()) bars.push_back(of(m, begin, member.bar, member.section ? member.section(0.0) : 1.0));
+    if (!member.rigid()) bars.push_back(of(m, begin, member.bar, member.section));
     begin += member.bar.length;
   }
   return bars;

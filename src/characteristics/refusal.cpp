@@ -16,23 +16,24 @@ namespace viscobar {
 namespace {
 
 // A(x) that varies anywhere that one looks.
-bool varies(const Member& member) {
-  if (!member.section) return false;
-  constexpr int places = 200;
-  const auto inside = [&](const NextBreak& breaks) { return breaks && breaks(0.0, member.bar.length); };
-  if (inside(member.section_places.breaks) || inside(member.section_places.detail)) return true;
-  for (int k = 1; k <= places; ++k)
-    if (member.section(member.bar.length * k / places) != member.section(0.0)) return true;
+bool varies(const SpaceFunction& section, const Places& places, double length) {
+  if (!section) return false;
+  if (!(section(0.0) > 0.0)) return true;  // it is none
+  constexpr int looks = 200;
+  const auto inside = [&](const NextBreak& breaks) { return breaks && breaks(0.0, length); };
+  if (inside(places.breaks) || inside(places.detail)) return true;
+  for (int k = 1; k <= looks; ++k)
+    if (section(length * k / looks) != section(0.0)) return true;
   return false;
 }
 
 // A bar whose waves change on their way; `table` is bar, or bar.2.
-std::optional<Finding> bar_refusal(const std::string& table, const Bar& bar, bool section) {
+std::optional<Finding> bar_refusal(const std::string& table, const Bar& bar, bool section_varies) {
   if (bar.viscosity > 0.0)
     return Finding{"method.name", fmt::format("characteristics carries waves unchanged, and {}.viscosity = {} changes "
                                               "them; use rigid, or one of the penalised methods",
                                               table, bar.viscosity)};
-  if (section)
+  if (section_varies)
     return Finding{table + ".section",
                    "is not for characteristics: a section that varies reflects waves at every place; use "
                    "rigid, or fully_discrete"};
@@ -43,7 +44,9 @@ std::optional<Finding> chain_refusal(const Scene& scene) {
   const std::vector<Member>& chain = scene.chain;
   for (std::size_t m = 0; m < chain.size(); ++m)
     if (!chain[m].rigid())
-      if (auto why = bar_refusal(fmt::format("bar.{}", m + 1), chain[m].bar, varies(chain[m]))) return why;
+      if (auto why = bar_refusal(fmt::format("bar.{}", m + 1), chain[m].bar,
+                                 varies(chain[m].section, chain[m].section_places, chain[m].bar.length)))
+        return why;
   if (std::ranges::all_of(chain, &Member::rigid))
     return Finding{"method.name",
                    "characteristics follows the waves of bars, and there are rigid bodies alone; use "
@@ -78,7 +81,8 @@ std::optional<Finding> rate_refusal(const Scene& scene) {
 std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
   if (auto why = law_refusal("characteristics", scene.left_input, scene.right_input, true)) return why;
   if (scene.chain.empty()) {
-    if (auto why = bar_refusal("bar", scene.bar, static_cast<bool>(scene.section))) return why;
+    if (auto why = bar_refusal("bar", scene.bar, varies(scene.section, scene.section_places, scene.bar.length)))
+      return why;
   } else if (auto why = chain_refusal(scene)) {
     return why;
   }

@@ -139,5 +139,37 @@ TEST(CharacteristicsRun, AsksForNoMemoryFromPassageToPassage) {
   EXPECT_EQ(allocations(100.0), allocations(1000.0));
 }
 
+// One of area A, with A times the forces, masses and springs, moves alike; its forces and energies are A times as
+// large.
+TEST(CharacteristicsRun, AConstantSectionMultipliesForcesAndEnergies) {
+  const auto run = [](double area) {
+    return parse_scene(
+               fmt::format(
+                   "[bar]\nlength = 1\nsection = {0}\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = "
+                   "\"free\"\nmass = {1}\nstiffness = {2}\ndashpot = {3}\nforce = \"{4}*sin(2*t)\"\n[initial]\n"
+                   "displacement = \"0.05*x\"\nvelocity = -1\n[load]\ndensity = \"(1+x)*cos(3*t)\"\n[time]\nend = 4\n"
+                   "[mesh]\nelements = 20\n[method]\nname = \"characteristics\"\n",
+                   area, 0.4 * area, 3.0 * area, 0.2 * area, 0.7 * area),
+               "")
+        .run;
+  };
+  constexpr double area = 2.5;
+  const Recording one = record(run(1.0)), wide = record(run(area));
+  ASSERT_GE(one.events.size(), 2u);
+  ASSERT_EQ(one.events.size(), wide.events.size());
+  for (std::size_t k = 0; k < one.events.size(); ++k) EXPECT_NEAR(one.events[k].time, wide.events[k].time, 1e-9);
+  double most = 0.0;
+  for (std::size_t k = 0; k < one.times.size(); ++k) {
+    for (std::size_t j = 0; j < one.mesh.nodes(); ++j)
+      ASSERT_NEAR(one.displacement(k)[j], wide.displacement(k)[j], 1e-9) << one.times[k];
+    ASSERT_NEAR(area * one.reaction_left[k], wide.reaction_left[k], 1e-8);
+    most = std::max(most, one.reaction_left[k]);
+    ASSERT_NEAR(area * one.energy[k].total(), wide.energy[k].total(), 1e-8);
+    ASSERT_NEAR(area * one.energy[k].work, wide.energy[k].work, 1e-8);
+  }
+  EXPECT_GT(most, 0.5);
+  EXPECT_NEAR(wide.statistics.energy->balance_error(), 0.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -237,7 +237,8 @@ class Stepper final : public LegStepper {
     const Eigen::Array4d displacements(1.0, 1.0, 0.0, 1.0);
     for (std::size_t i = 0; i < first; ++i) largest = largest.max(move(i) * displacements);
     for (std::size_t i = last; i < n; ++i) largest = largest.max(move(i) * displacements);
-    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
+    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max()))
+      return std::numeric_limits<double>::infinity();
     double error =
         std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
     if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_[0], weight_[n + first]));
