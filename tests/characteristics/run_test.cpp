@@ -1,11 +1,15 @@
 // How a run by characteristics is told, stopped and gone on with.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "characteristics/followed.hpp"
 #include "characteristics/random_bar.hpp"
 #include "support/allocations.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {
