@@ -64,10 +64,10 @@ std::optional<UnitPowers> unit_powers(std::string_view words) {
 std::string unit_name(const Units& units, const UnitPowers& powers) {
   auto [length, time, stress, area] = powers;
   Powers all{length, time, 0, 0, 0};
-  if (units.of_section && units.force.empty()) all[0] += 2.0 * area;
-  if (units.of_section && !units.force.empty()) {
-    all[3] += area;
-    stress -= area;
+  if (units.of_section) {
+    const double forces = units.force.empty() || area * stress <= 0.0 ? 0.0 : std::min(area / stress, 1.0) * stress;
+    all[0] += 2.0 * (area - forces), all[3] += forces;
+    stress -= forces;
   }
   if (stress != 0.0) {
     const auto parts = stress_powers(units);
