@@ -88,7 +88,9 @@ void PenalisedSystem::measure_from_obstacle(std::size_t closing, std::span<doubl
 void PenalisedSystem::find_offsets() {
   offsets_.resize(laws_.size());
   for (std::size_t i = 0; i < laws_.size(); ++i)
-    offsets_[i] = contact(i).joint > 0 ? contact(i).gap : contact(i).clearance(origin_at(contact(i).unknown));
+    offsets_[i] = contact(i).joint > 0
+                      ? contact(i).gap + origin_at(contact(i).unknown) - origin_at(contact(i).unknown - 1)
+                      : contact(i).clearance(origin_at(contact(i).unknown));
   if (origin_.empty()) return;
   const std::vector<double> nothing(size(), 0.0);
   std::vector<double> without(size());

@@ -16,13 +16,15 @@ SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t
   if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
   const bool with_first = first == 0, with_last = first + count == matrix.size();
   if (matrix.one_sided.empty() || (!(with_first || with_last) && matrix.one_sided_at_ends())) return part;
-  if (!with_first) part.one_sided.push_back({});
   for (OneSidedRow row : matrix.one_sided) {
     if (row.row < first || row.row >= first + count) continue;
     row.row -= first;
     part.one_sided.push_back(row);
   }
-  if (!with_last) part.one_sided.push_back({count - 1, true, {}});
+  // A row of either end is expected; behind a body that is held the bar's own is it.
+  std::vector<OneSidedRow>& rows = part.one_sided;
+  if (!with_first && (rows.empty() || rows.front().row > 0)) rows.insert(rows.begin(), OneSidedRow{});
+  if (!with_last && rows.back().row + 1 < count) rows.push_back({count - 1, true, {}});
   return part;
 }
 

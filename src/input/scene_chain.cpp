@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "case/scene_numbers.hpp"
@@ -71,9 +72,11 @@ NextBreak joined(const std::vector<Part>& parts, NextBreak Places::*which, bool 
       const double from = std::max(after, part.begin), to = std::min(until, part.begin + part.length);
       const NextBreak& breaks = part.places.*which;
       if (!breaks || !(from < to)) continue;
-      // The place that was told last may be another one by the rounding of the shift.
-      for (auto next = breaks(from - part.shift, to - part.shift); next; next = breaks(*next, to - part.shift))
-        if (*next + part.shift > after) return *next + part.shift;
+      auto next = breaks(from - part.shift, to - part.shift);
+      // What lies within a rounding is the place that was told last, by the shift, or the end of the part before.
+      const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * to;
+      if (next && *next + part.shift <= from + rounding) next = breaks(from + rounding - part.shift, to - part.shift);
+      if (next && *next + part.shift > from) return *next + part.shift;
     }
     return std::nullopt;
   };

@@ -116,12 +116,12 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
     if (!system_.closed(joint.contact)) continue;
     const auto& [row, at] = std::tie(joint.row, joint.positions);
     double stretch = y[at[0]] - y[at[1]];
+    if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
     if (system_.by_law(joint.contact)) {
       joint.rate[j] =
           system_.contact_force(joint.contact, stretch + system_.contact(joint.contact).gap, y[at[2]] - y[at[3]]);
       continue;
     }
-    if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
     joint.momentum[j] =
         row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] + row.viscosity * stretch;
     joint.rate[j] = row.stiffness * stretch - system_.load_alone(row.node, t);

@@ -285,8 +285,10 @@ class Run {
     for (const bool right : {false, true}) {
       if (system_.wall(right)) continue;
       const auto found = std::ranges::equal_range(contacts, system_.end(right), {}, &Contact::unknown);
-      if (!found.empty() && found.front().joint > 0) continue;
-      at_end_[right] = {found.begin() - contacts.begin(), found.end() - contacts.begin()};
+      // A rigid body there may be the right side of a joint as well.
+      const auto of_joint = [](const Contact& contact) { return contact.joint > 0; };
+      const auto first = std::find_if_not(found.begin(), found.end(), of_joint);
+      at_end_[right] = {first - contacts.begin(), std::find_if(first, found.end(), of_joint) - contacts.begin()};
     }
   }
 
