@@ -94,7 +94,7 @@ void JointForces::ask_for(std::vector<std::size_t>& entries) {
   for (Joint& joint : joints_) {
     const auto& row = joint.row;
     std::size_t k = 0;
-    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond}) {
+    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond, row.beyond}) {
       joint.positions[k++] = entries.size();
       entries.push_back(entry);
     }
@@ -111,6 +111,21 @@ bool JointForces::closed() const {
   return std::ranges::any_of(joints_, [this](const Joint& joint) { return system_.closed(joint.contact); });
 }
 
+// (M (k u + c w)) of its node.
+double JointForces::side_row(const Joint& joint, std::span<const double> y) const {
+  const BarSystem& bar = system_.bar();
+  const auto& [row, at] = std::tie(joint.row, joint.positions);
+  const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {at[0], at[1], at[5]};
+  const std::array<double, 3> weights = bar.side()->end_row(row.node + bar.first_node(), row.sign < 0.0);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t j = unknowns[k] + bar.first_node();
+    const double displacement = y[u[k]] + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
+    sum += weights[k] * (bar.side()->stiffness(j) * displacement + bar.side()->drag(j) * y[at[2 + k]]);
+  }
+  return sum;
+}
+
 void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
   for (Joint& joint : joints_) {
     if (!system_.closed(joint.contact)) continue;
@@ -125,6 +140,7 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
     joint.momentum[j] =
         row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] + row.viscosity * stretch;
     joint.rate[j] = row.stiffness * stretch - system_.load_alone(row.node, t);
+    if (system_.bar().side()) joint.rate[j] += side_row(joint, y);
   }
 }
 

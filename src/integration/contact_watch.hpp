@@ -57,7 +57,9 @@ class SpanForce {
 /// The forces of closed contacts at joints of a chain, each by the row of the end of a bar beside it (see
 /// PenalisedSystem::joint_row),
 ///
-///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node,
+///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node + (M (k u + c v))_node,
+///
+/// the last term of a side that resists,
 ///
 /// or by its law, where no bar is there,
 /// and the account of it: int N dt, and max N of the polynomial of each step.
@@ -82,9 +84,11 @@ class JointForces {
     std::size_t contact;
     JointAccount* account;
     PenalisedSystem::JointRow row;
-    std::array<std::size_t, 5> positions{};  // of u_node, u_next, and the three velocities
+    std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
     std::array<double, Bernstein::max_degree + 1> momentum{}, rate{};
   };
+
+  double side_row(const Joint& joint, std::span<const double> y) const;
 
   const PenalisedSystem& system_;
   std::vector<Joint> joints_;

@@ -70,6 +70,13 @@ class SideRows {
 
   /// Entries of the row of M of an end, from it inwards: columns 0, 1, 2 on the left.
   std::array<double, 3> end_row(bool right) const { return mass_.end_row(right); }
+  /// The same of the row of node j, an end of one of several bars in line.
+  std::array<double, 3> end_row(std::size_t j, bool right) const {
+    std::array<double, 3> row = mass_.one_sided_entries(j, right);
+    row[0] += mass_.diagonal[j];
+    if (!mass_.is_diagonal()) row[1] += right ? mass_.below(j - 1) : mass_.above(j);
+    return row;
+  }
   /// (M r)_e of an end.
   double at_end(bool right, auto&& r) const {
     const std::array<double, 3> row = end_row(right);

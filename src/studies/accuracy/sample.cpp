@@ -38,7 +38,8 @@ void each_place(const Sample& sample, auto&& use) {
 std::size_t fewest_in_a_bar(const Case& run) {
   if (run.scene.chain.empty()) return run.elements;
   std::size_t fewest = run.elements;
-  for (const Mesh& own : *run.mesh().members)
+  const Mesh mesh = run.mesh();
+  for (const Mesh& own : *mesh.members)
     if (own.elements > 0) fewest = std::min(fewest, own.elements);
   return fewest;
 }
