@@ -95,6 +95,7 @@ void JointForces::ask_for(std::vector<std::size_t>& entries) {
     const auto& row = joint.row;
     std::size_t k = 0;
     for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond, row.beyond}) {
+      if (k == used()) break;
       joint.positions[k++] = entries.size();
       entries.push_back(entry);
     }
@@ -104,7 +105,8 @@ void JointForces::ask_for(std::vector<std::size_t>& entries) {
 void JointForces::select(std::vector<std::size_t>& positions) const {
   for (const Joint& joint : joints_)
     if (system_.closed(joint.contact))
-      positions.insert(positions.end(), joint.positions.begin(), joint.positions.end());
+      positions.insert(positions.end(), joint.positions.begin(),
+                       joint.positions.begin() + static_cast<std::ptrdiff_t>(used()));
 }
 
 bool JointForces::closed() const {

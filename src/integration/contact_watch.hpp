@@ -88,6 +88,8 @@ class JointForces {
     std::array<double, Bernstein::max_degree + 1> momentum{}, rate{};
   };
 
+  /// Positions that are used: the last is of a side that resists.
+  std::size_t used() const { return system_.bar().side() ? 6 : 5; }
   double side_row(const Joint& joint, std::span<const double> y) const;
 
   const PenalisedSystem& system_;

@@ -38,7 +38,7 @@ class Sensitivities {
   std::vector<ChangeSensitivity> before(double t, double since, std::size_t i, bool by_push, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
-  /// Those of its opening at t, where its obstacle has jumped away.
+  /// Those of its opening at t, where its obstacle jumps away or the load jumps.
   std::vector<ChangeSensitivity> let_go(double t, std::size_t i, std::span<double> y);
   /// It has, y being the state after the change but for its derivatives.
   void after(double t, std::size_t i, std::span<double> y);

@@ -214,6 +214,10 @@ class StepwisePart {
   // The contact is closed from the start on: the bar comes to it with the velocities that it is given.
   void differentiate_closing(double t, std::size_t i, const State& start, const std::vector<double>& approach) {
     if (!sensitivities_) return;
+    if (system_.collides(i)) {  // after those that have struck before it
+      changes_ = sensitivities_->before(t, t, i, false, y_);
+      return;
+    }
     const bool closed = system_.closed(i);
     const std::vector<double> settled = y_;
     system_.set_closed(i, false);
@@ -431,7 +435,9 @@ class StepwisePart {
       const bool pulled = opens && i == search_.first_contact();
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
       const bool by_push = i == search_.first_contact() && search_.by_push();
-      if (sensitivities_) changes_ = sensitivities_->before(t, told, i, by_push, y_);
+      if (sensitivities_)
+        changes_ = opens && t == load_break_ ? sensitivities_->let_go(t, i, y_)
+                                             : sensitivities_->before(t, told, i, by_push, y_);
       if (by_push && layout_.dissipated) y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * system_.stop_energy(i, u());
       if (!opens) close(t, i, velocity());
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.

@@ -232,5 +232,25 @@ TEST(Hopkinson, ThreeWavesTellModulusAndViscosityOfTheSpecimen) {
   }
 }
 
+// Each strikes with the velocities that the one before it leaves.
+TEST(ChainSensitivities, OfTwoContactsThatCloseAtTheStartFollowBothImpacts) {
+  const std::string text =
+      "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 12\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\n"
+      "elements = 12\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 12\nvelocity = -0.5\n[[joint]]\nkind "
+      "= \"contact\"\n[[joint]]\nkind = \"contact\"\n[time]\nend = 1.0\n[output]\nevery = 0.1\n[method]\nname = "
+      "\"rigid\"\nrelative_tolerance = 1e-11\n";
+  for (const char* key : {"bar.2.density", "bar.2.length", "bar.1.length"}) expect_derivatives(text, key, 1.0, {"time.end=1"});
+}
+
+// A jump of the load opens it where the jump is, whatever the bar.
+TEST(ChainSensitivities, OfAContactThatAJumpOfTheLoadOpensHaveNoTimeOfItsOwn) {
+  const std::string text =
+      "[bar]\nlength = 1.0\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\nforce = \"t<0.25 ? -1 : 2\"\n[initial]\n"
+      "velocity = -1.0\n[time]\nend = 1.0\n[mesh]\nelements = 20\n[output]\nevery = 0.1\n[method]\nname = \"rigid\"\n"
+      "relative_tolerance = 1e-11\n";
+  expect_derivatives(text, "bar.modulus", 1.0, {"time.end=1"});
+  expect_derivatives(text, "left.gap", 0.1, {"time.end=1"});
+}
+
 }  // namespace
 }  // namespace viscobar

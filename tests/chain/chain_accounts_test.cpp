@@ -1,0 +1,149 @@
+// Bodies that are held or meet an obstacle beside a joint, breaks at joints, sides: each against another way to the
+// same motion.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "studies/accuracy/quick_estimate.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
+
+namespace viscobar::chain_accounts {
+namespace {
+
+Case case_of(const std::string& text, const std::vector<std::string>& settings = {}) {
+  return parse_scene(text, "", settings).run;
+}
+
+// The bar's first node is none of the body's: rho h / 24 (7, 6, -1) is its row.
+TEST(ChainAccounts, ABarOnASpringOfABodyThatIsHeldMovesAsOnASpringOfTheGround) {
+  const std::string rest =
+      "[initial]\nvelocity = -1.0\n[time]\nend = 3.0\n[mesh]\nelements = 20\n[method]\nname = \"{}\"\n"
+      "relative_tolerance = 1e-9\nstep = 1e-3\n";
+  const std::string bar = "length = 1.0\nviscosity = 0.1\n";
+  for (const char* method : {"rigid", "cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
+    const std::string end = fmt::format(fmt::runtime(rest), method);
+    const Recording alone = record(case_of("[bar]\n" + bar + "[left]\nkind = \"free\"\nstiffness = 5.0\n" + end));
+    const Recording held =
+        record(case_of("[[bar]]\nmass = 1.0\n[[bar]]\n" + bar +
+                       "[[joint]]\nkind = \"spring\"\nstiffness = 5.0\n[left]\nkind = \"fixed\"\n" + end));
+    const Recording mirrored =
+        record(case_of("[[bar]]\n" + bar +
+                       "[[bar]]\nmass = 1.0\n[[joint]]\nkind = \"spring\"\nstiffness = 5.0\n[right]\nkind "
+                       "= \"fixed\"\n" +
+                       end));
+    ASSERT_EQ(alone.times.size(), held.times.size());
+    for (std::size_t k = 0; k < alone.times.size(); ++k) {
+      EXPECT_NEAR(alone.displacement(k).back(), held.displacement(k).back(), 1e-7) << method << " " << alone.times[k];
+      EXPECT_NEAR(alone.displacement(k).back(), mirrored.displacement(k).front(), 1e-7)
+          << method << " " << alone.times[k];
+    }
+    EXPECT_NEAR(held.statistics.energy->initial, 0.5, 1e-12) << method;
+  }
+}
+
+// The body leaves its stop at speed v where k d + c d' = 0, d = c v / k deep, and then has the gap and d to go.
+TEST(ChainAccounts, ABodyThatLeavesItsObstacleMeetsTheBarWhereItStands) {
+  const std::string text =
+      "[[bar]]\nmass = 1.0\nvelocity = -2.0\n[[bar]]\nlength = 1.0\nviscosity = 0.05\nvelocity = 0.0\n[[joint]]\nkind = "
+      "\"contact\"\nlaw = \"hertz\"\nstiffness = 50.0\n[left]\nkind = \"obstacle\"\ngap = 0.2\ncontact = {{ law = "
+      "\"spring_damper\", stiffness = 240.0, damping = 0.4 }}\n[right]\nkind = \"fixed\"\n[time]\nend = 1.0\n[mesh]\nelements "
+      "= 20\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\n";
+  for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
+    const Recording run = record(case_of(fmt::format(fmt::runtime(text), method)));
+    ASSERT_GE(run.events.size(), 3u) << method;
+    const Event &left = run.events[1], &met = run.events[2];
+    EXPECT_EQ(left.change, Change::opening);
+    EXPECT_EQ(met.where, Where::joint);
+    EXPECT_NEAR(met.time, left.time + 0.2 / left.velocity + 0.4 / 240.0, 1e-7) << method;
+    EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, 1e-6) << method;
+  }
+}
+
+// Penalties on both sides of a body.
+TEST(ChainAccounts, ABodyBetweenAnObstacleAndABarKeepsTheEnergy) {
+  const std::string text =
+      "[[bar]]\nmass = 1.0\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = -1.0\n[[joint]]\nkind = "
+      "\"contact\"\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[time]\nend = 2.0\n[mesh]\nelements = 20\n[contact]\nepsilon = "
+      "1e-4\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\n";
+  const Recording exact = record(case_of(fmt::format(fmt::runtime(text), "exponential")));
+  for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
+    const Recording run = record(case_of(fmt::format(fmt::runtime(text), method)));
+    EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, 1e-6) << method;
+    EXPECT_NEAR(run.statistics.account->left.impulse, exact.statistics.account->left.impulse, 1e-5) << method;
+    for (std::size_t k = 0; k < exact.times.size(); ++k)
+      ASSERT_NEAR(run.displacement(k).back(), exact.displacement(k).back(), 1e-5) << method << " " << exact.times[k];
+  }
+}
+
+// A break of the whole chain's velocity at a joint gives each bar its own.
+TEST(ChainAccounts, AVelocityThatBreaksAtAJointIsThatOfEachBar) {
+  const auto text = [](const std::string& first, const std::string& second, const std::string& whole) {
+    return "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 10\n" + first +
+           "[[bar]]\nlength = 0.5\nviscosity = 0.1\nelements = 5\n" + second +
+           "[[joint]]\nkind = \"contact\"\ngap = 0.05\n[initial]\nvelocity = " + whole + "\n[time]\nend = 2.0\n";
+  };
+  const Recording apart = record(case_of(text("velocity = 1.0\n", "velocity = 0.0\n", "0.0")));
+  for (const char* whole : {"\"x<1 ? 1 : 0\"", "\"x<=1 ? 1 : 0\""}) {
+    const Recording run = record(case_of(text("", "", whole)));
+    for (std::size_t k = 0; k < apart.times.size(); ++k)
+      for (std::size_t j = 0; j < apart.mesh.nodes(); ++j)
+        ASSERT_NEAR(run.displacement(k)[j], apart.displacement(k)[j], 1e-3) << whole << " " << apart.times[k];
+  }
+}
+
+TEST(ChainAccounts, TheImpulseOfAJointIsThatOfItsForceBesideASideThatResists) {
+  const std::string text =
+      "[[bar]]\nmass = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 0.0\n[[joint]]\nkind = "
+      "\"contact\"\n[side]\nstiffness = 2.0\ndrag = 0.5\n[contact]\nepsilon = 0.01\n[time]\nend = 3.0\n[mesh]\nelements = "
+      "20\n[output]\nevery = 0.0005\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-8\n";
+  for (const char* method : {"cvode", "arkode", "exponential"}) {
+    const Case run = case_of(fmt::format(fmt::runtime(text), method));
+    std::vector<double> forces;
+    Observers observers;
+    observers.account = true;
+    observers.snapshot = [&](const Snapshot& at) { forces.push_back(at.joint_forces.front()); };
+    const Statistics done = simulate(resolve(run), observers);
+    double integral = 0.0;
+    for (std::size_t k = 1; k < forces.size(); ++k) integral += 0.5 * run.output_every * (forces[k] + forces[k - 1]);
+    EXPECT_NEAR(done.account->joints.front().impulse, integral, 1e-5) << method;  // h^2 / 12 of the trapezoidal rule
+    EXPECT_GT(integral, 1.0);
+  }
+}
+
+TEST(ChainAccounts, AnObstacleOnTheRightOfABodyReactsAsOneOnTheLeft) {
+  const std::string rest =
+      "[time]\nend = 4.0\n[mesh]\nelements = 20\nmass = \"lumped\"\n[method]\nname = \"fully_discrete\"\n";
+  const std::string joint = "[[joint]]\nkind = \"contact\"\ngap = 0.1\n",
+                    body = "[[bar]]\nmass = 1.0\nvelocity = 0.0\n";
+  const auto bar = [](double velocity) {
+    return fmt::format("[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = {}\n", velocity);
+  };
+  const Recording right =
+      record(case_of(bar(1.0) + body + joint + "[right]\nkind = \"obstacle\"\ngap = 0.3\nside = \"above\"\n" + rest));
+  const Recording left = record(case_of(body + bar(-1.0) + joint + "[left]\nkind = \"obstacle\"\ngap = 0.3\n" + rest));
+  EXPECT_NEAR(right.statistics.account->right.impulse, -left.statistics.account->left.impulse, 1e-9);
+  EXPECT_GT(left.statistics.account->left.impulse, 1.0);
+  double most = 0.0;
+  for (std::size_t k = 0; k < left.times.size(); ++k) {
+    ASSERT_NEAR(right.reaction_right[k], -left.reaction_left[k], 1e-6) << left.times[k];
+    most = std::max(most, left.reaction_left[k]);
+  }
+  EXPECT_GT(most, 0.5);
+}
+
+TEST(ChainAccounts, AnEstimateHalvesBarsOfFewElements) {
+  const Case run = case_of(
+      "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 9\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\n"
+      "elements = 15\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\n[time]\nend = 3.0\n");
+  const accuracy::QuickEstimate found = accuracy::quick_estimate(run, std::nullopt, 30.0, {});
+  ASSERT_TRUE(found.estimate) << found.why_not;
+  EXPECT_GT(found.estimate->total, 0.0);
+}
+
+}  // namespace
+}  // namespace viscobar::chain_accounts
