@@ -42,7 +42,8 @@ TEST(ChainAccounts, ABarOnASpringOfABodyThatIsHeldMovesAsOnASpringOfTheGround) {
       EXPECT_NEAR(alone.displacement(k).back(), mirrored.displacement(k).front(), 1e-7)
           << method << " " << alone.times[k];
     }
-    EXPECT_NEAR(held.statistics.energy->initial, 0.5, 1e-12) << method;
+    // That of a scheme is of t = dt / 2, by k (dt / 2)^2 / 2.
+    EXPECT_NEAR(held.statistics.energy->initial, 0.5, 5.0 * 2.5e-7 + 1e-12) << method;
   }
 }
 
