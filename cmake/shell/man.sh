@@ -66,7 +66,7 @@ the processor has and the program was built for.
 done
 .TP
 .B 1
-a run failed (integrator, disk); what was reached is kept
+a run failed (integrator, disk), or does not keep the error requested; what was reached is kept
 .TP
 .B 2
 the input is wrong: command line or scene file

@@ -14,12 +14,12 @@ _viscobar_files() {  # of a kind, -d or -f; and those that are like $2
 _viscobar_commands() { viscobar help | awk 'tolower($1) == "subcommands:" { below = 1 } below && /^ +[a-z]/ { print $1 }'; }
 # A line for each argument and option of a command: the type of its value, or -, and the names of the option.
 _viscobar_options() {
-  viscobar help "$1" | awk '/^ +[-a-z]/ {
+  viscobar help "$1" | awk '/^  [-a-zA-Z]/ {
     names = ""
     count = split($0, part, /[ ,]+/)
     for (i = 2; i <= count && part[i] ~ /^-/; ++i) names = names " " part[i]
-    type = part[names == "" ? 3 : i]
-    if (type !~ /^([A-Z][A-Z]|N[:,]|[a-z]+\|)/) type = "-"
+    type = part[i]
+    if (type !~ /^([A-Z][A-Z]|N$|[a-z]+\|)/) type = "-"
     print type names }'
 }
 # Words that the value of a key may be.
@@ -59,7 +59,7 @@ _viscobar() {
     DIR*) _viscobar_files -d ;;
     FILE*) _viscobar_files -f ;;
     COMMAND*) _viscobar_words "$(_viscobar_commands)" ;;
-    *'|'*) _viscobar_words "$(tr '|' ' ' <<<"${type%%=*}")" ;;
+    *'|'*) _viscobar_words "$(tr '|' ' ' <<<"$type")" ;;
   esac
 }
 complete -F _viscobar viscobar

@@ -44,9 +44,14 @@ def _ends(result: Any, axis: Any) -> None:
 
 
 def _reactions(result: Any, axis: Any) -> None:
+    joints = {name: force for name, force in result.joints.items() if name.startswith("force:")}
     for side, style in (("left", "-"), ("right", "--")):  # seen where both are equal
-        axis.plot(result.ends["t"], result.ends[f"reaction_{side}"], style, label=f"{side} end")
-    axis.set(xlabel="t", ylabel="reaction")
+        reaction = result.ends[f"reaction_{side}"]
+        if not joints or np.any(reaction):
+            axis.plot(result.ends["t"], reaction, style, label=f"{side} end")
+    for name, force in joints.items():
+        axis.plot(result.t, force, label=name.replace("force:", "joint "))
+    axis.set(xlabel="t", ylabel="force of a joint, reaction" if joints else "reaction")
     axis.legend()
 
 

@@ -244,7 +244,8 @@ class Result(Recorded):
         return pandas.DataFrame(self.ends)
 
     def plot(self, kind: str | None = None, *, ax: Any = None) -> Any:
-        """A matplotlib figure: displacement over space and time, end traces, reactions, energies; or one of them.
+        """A matplotlib figure: displacement over space and time, end traces, reactions and forces of joints,
+        energies; or one of them.
 
         kind  "displacement", "ends", "reactions" or "energy" alone
         ax    axes of matplotlib to draw on; of the ends where no kind is given

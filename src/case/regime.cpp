@@ -9,6 +9,7 @@
 
 #include "case/chatter.hpp"
 #include "case/method_table.hpp"
+#include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
 
@@ -323,9 +324,23 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
            "touch on, and a finer mesh or a stiffer spring shows more of it";
   const double softest = bar.density * bar.modulus * (is_penalised(run.method) ? setup.epsilon : 0.0);
   if (run.method != MethodName::characteristics && bar.density * system.mesh().spacing() > softest)
-    return "the peak of an impact has a wrong limit on a mesh: behind the front of an elastic bar it overshoots, by a "
-           "share that no finer mesh takes away; characteristics has the peak itself";
+    return "the peak of an impact is too high on every mesh: behind the front of an elastic wave the force overshoots, "
+           "by a share that a finer mesh does not reduce; method characteristics gives the exact peak";
   return std::nullopt;
+}
+
+std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& system) {
+  const Case& run = setup.run;
+  if (run.scene.units.length.empty()) return std::nullopt;
+  constexpr double small = 0.1;
+  const Bar& bar = system.bar();
+  const double way = std::min(bar.length, run.end * std::sqrt(bar.modulus / bar.density));
+  const double strain = displacement_of_data(system, run.end) / way;
+  if (strain <= small) return std::nullopt;
+  return fmt::format(
+      "strains: the data make strains of about {:.2g}, and the model holds for small ones; look at the units of "
+      "velocities, loads and modulus",
+      strain);
 }
 
 }  // namespace viscobar

@@ -120,4 +120,8 @@ std::string contact_law(const Setup& setup);
 ///     an elastic bar on a mesh         V sqrt(rho E) and what the mesh disperses of the front, whatever the mesh
 std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system);
 
+/// Warns of strains that the model does not hold for, V / c of an impact or those of the initial data and loads, in a
+/// scene that names its unit of length: without units a scene may be scaled at will.
+std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& system);
+
 }  // namespace viscobar

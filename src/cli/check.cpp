@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "cli/commands.hpp"
+#include "report/number_text.hpp"
 #include "report/run/run_page.hpp"
 #include "report/scene_check.hpp"
 #include "text/table.hpp"
@@ -25,34 +26,36 @@ std::string events(const Case& run, const BarSystem& system) {
 }
 
 /// So many digits as its error leaves, and `most` at most.
-std::string with_digits(double value, double error, int most) {
-  if (!(error > 0.0) || value == 0.0) return fmt::format("{:.{}g}", value, most);
+std::string with_digits(const NumberText& number, double value, double error, Dimension quantity, int most) {
+  if (!(error > 0.0) || value == 0.0) return number(value, quantity, most);
   const double digits = std::floor(std::log10(std::abs(value))) + 1.0 - std::ceil(std::log10(error));
-  if (digits >= most) return fmt::format("{:.{}g}", value, most);
-  return fmt::format("about {:.{}g}", value, std::max(1, static_cast<int>(digits)));
+  if (digits >= most) return number(value, quantity, most);
+  return "about " + number(value, quantity, std::max(1, static_cast<int>(digits)));
 }
 
 std::string impact_text(const Case& run, const std::optional<Foresight>& foreseen) {
   if (!foreseen) return "not predicted, the scene is large";
-  if (foreseen->impacts.empty()) return fmt::format("none to t = {}", run.end);
+  const NumberText number(NumberText::For::terminal, run.scene);
+  if (foreseen->impacts.empty()) return "none to t = " + number(run.end, Dimension::time, 6);
   std::string text;
   for (const FirstImpact& impact : foreseen->impacts)
-    text +=
-        fmt::format("{}{}{} at t = {}, speed {}", text.empty() ? "" : "; ", name(impact.where),
-                    impact.joint > 0 ? fmt::format(" {}", impact.joint) : "",
-                    with_digits(impact.time, impact.time_error, 4), with_digits(impact.speed, impact.speed_error, 3));
+    text += fmt::format("{}{}{} at t = {}, speed {}", text.empty() ? "" : "; ", name(impact.where),
+                        impact.joint > 0 ? fmt::format(" {}", impact.joint) : "",
+                        with_digits(number, impact.time, impact.time_error, Dimension::time, 4),
+                        with_digits(number, impact.speed, impact.speed_error, Dimension::velocity, 3));
   return text;
 }
 
-std::string to_text(const ContactRegime& regime) {
+std::string to_text(const ContactRegime& regime, const NumberText& number) {
   if (regime.stop) {
     const auto& found = regime.forecast;
     if (!found) return fmt::format("by {}; no impact is predicted", viscobar::name(regime.stop->law));
     return fmt::format(
-        "by {}, damping ratio zeta = {:.3g}: a lone mass leaves with {:.3g} of its speed; impact at speed "
-        "{:.3g}, predicted penetration {:.2g}, peak {:.2g}",
-        viscobar::name(regime.stop->law), found->damping_ratio, found->restitution, found->speed, found->penetration,
-        found->force);
+        "by {}, damping ratio zeta = {:.3g}: a lone mass leaves with {:.3g} of its speed; impact at speed {}, predicted "
+        "penetration {}, peak {}",
+        viscobar::name(regime.stop->law), found->damping_ratio, found->restitution,
+        number(found->speed, Dimension::velocity), number(found->penetration, Dimension::length, 2),
+        number(found->force, Dimension::force, 2));
   }
   const bool rebounds = regime.damping_ratio && *regime.damping_ratio < 1.0;
   std::string text = "massless node, no bounce";
@@ -62,8 +65,9 @@ std::string to_text(const ContactRegime& regime) {
                        : rebounds      ? "no chatter"
                                        : "no bounce");
   if (regime.impact)
-    text += fmt::format("; impact at speed {:.3g}, predicted penetration {:.2g} ({})", regime.impact->speed,
-                        regime.impact->penetration, name(regime.impact->layer));
+    text += fmt::format("; impact at speed {}, predicted penetration {} ({})",
+                        number(regime.impact->speed, Dimension::velocity),
+                        number(regime.impact->penetration, Dimension::length, 2), name(regime.impact->layer));
   return text;
 }
 
@@ -76,8 +80,9 @@ std::string model_text(const Case& run, const BarSystem& system) {
         passage = std::min(passage, bar.length * std::sqrt(bar.density / bar.modulus));
     return row("unknowns", "polynomial pieces of two waves{}; the {} nodes are for output only",
                run.scene.chain.empty() ? "" : " a bar", nodes) +
-           row("passages", "{:.4g} of a wave through the {}bar, each L/c = {:.4g}", run.end / passage,
-               run.scene.chain.empty() ? "" : "shortest ", passage);
+           row("passages", "{:.4g} of a wave through the {}bar, each L/c = {}", run.end / passage,
+               run.scene.chain.empty() ? "" : "shortest ",
+               NumberText(NumberText::For::terminal, run.scene)(passage, Dimension::time, 4));
   }
   return row("unknowns", "{} nodes of {}, displacement and velocity", system.size(), nodes) +
          row("inertia", "{} mass{}", viscobar::name(system.mass()),
@@ -89,30 +94,32 @@ std::string check_text(const SceneCheck& check) {
   const BarSystem& system = check.system;
   const Scene& scene = run.scene;
   const Mesh& mesh = system.mesh();
+  const NumberText number(NumberText::For::terminal, scene);
   std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
   for (const std::string& words : member_texts(scene)) text += row("member", words);
-  text += row("elasticity", "{}h = {:.4g}{}", scene.chain.empty() ? fmt::format("E = {}, ", scene.bar.modulus) : "",
-              mesh.spacing(),
+  text += row("elasticity", "{}h = {}{}",
+              scene.chain.empty() ? fmt::format("E = {}, ", number(scene.bar.modulus, Dimension::stress, 10)) : "",
+              number(mesh.spacing(), Dimension::length, 4),
               mesh.uniform() ? ""
-                             : fmt::format(" on average, {:.4g} {}", mesh.smallest(),
+                             : fmt::format(" on average, {} {}", number(mesh.smallest(), Dimension::length, 4),
                                            mesh.given ? "the least" : "at the contacts"));
   if (scene.section) text += row("section", section_text(scene));
-  text += row("damping", !system.damped()      ? "none"
-                         : scene.chain.empty() ? fmt::format("eta = {}", scene.bar.viscosity)
-                                               : "of each bar its own");
+  text += row("damping", !system.damped() ? "none"
+                         : scene.chain.empty()
+                             ? "eta = " + number(scene.bar.viscosity, unit_powers("stress x time").value(), 10)
+                             : "of each bar its own");
   text += row("load", load_kind(scene));
   if (scene.side) text += row("side", side_text(scene));
-  for (const std::string& words : inputs_text(system.bar(), scene.left, scene.left_input))
-    text += row("left end", words);
-  for (const std::string& words : inputs_text(system.bar(), scene.right, scene.right_input))
-    text += row("right end", words);
+  for (const SceneEnd& end : ends_of(scene))
+    for (const std::string& words : inputs_text(scene, system.bar(), end))
+      text += row(fmt::format("{} end", end.name), words);
   text += row("contact", system.contacts().empty() ? "none" : contact_kind(check.setup));
   text += row("event functions", events(run, system));
   text += row("memory", "about {} vectors of {} numbers, {}", check.memory.vectors, system.size(),
               byte_number(check.memory.bytes));
   if (!system.contacts().empty()) text += row("first impacts", impact_text(run, check.foreseen));
   if (check.error) {
-    const auto rows = estimate_rows(*check.error);
+    const auto rows = estimate_rows(scene, *check.error);
     text += row(rows.front().first,
                 rows.front().second + (check.error_elements == run.elements
                                            ? ""
@@ -122,7 +129,7 @@ std::string check_text(const SceneCheck& check) {
   }
   if (!check.no_error.empty()) text += row("error, estimated", "there is no estimate: " + check.no_error);
   for (const ContactRegime& regime : check.regimes)
-    text += row(fmt::format("{} contact", name(regime.where)), to_text(regime));
+    text += row(fmt::format("{} contact", name(regime.where)), to_text(regime, number));
   return text;
 }
 

@@ -42,7 +42,7 @@ void add_error(CLI::App& command, std::string& error, const std::string& what) {
 
 void add_threads(CLI::App& command, std::size_t& threads, const std::string& what) {
   constexpr std::size_t most = 4096;
-  add(command, "--threads", "N", threads, what)->check(in_range(std::size_t{1}, most));
+  within(add(command, "--threads", "N", threads, what), std::size_t{1}, most);
 }
 
 SceneOptions::SceneOptions(CLI::App& command) {
@@ -171,6 +171,7 @@ std::vector<double> DecadeRange::operator()(const std::string& text, std::size_t
   const double count = std::log10(std::max(a, b) / std::min(a, b)) * static_cast<double>(per_decade);
   if (!(count < most))
     refuse("{}: \"{}\" gives {:.0f} values, at most {:.0f} are taken", option, text, std::min(count, 1e9), most);
+  if (a < b) warn(fmt::format("{}: {} is taken from its larger end down", option, text));
   return decades(std::max(a, b), std::min(a, b), per_decade);
 }
 

@@ -25,15 +25,15 @@ namespace viscobar::cli {
 
 enum ExitCode { success = 0, run_failed = 1, wrong_input = 2, stopped = 130 };
 
-/// Numbers from `low` to `high`, as CLI::Range, whose words differ from version to version.
+/// Takes numbers from `low` to `high` only, as by CLI::Range, whose words differ from version to version.
 template <class Number>
-CLI::Validator in_range(Number low, Number high) {
+CLI::Option* within(CLI::Option* option, Number low, Number high) {
   const auto problem = [=](const std::string& text) {
     const auto value = number_in<Number>(text);
     return value && *value >= low && *value <= high ? ""
                                                     : fmt::format("Value {} not in range {} to {}", text, low, high);
   };
-  return {problem, fmt::format("{} in [{} - {}]", CLI::detail::type_name<Number>(), low, high)};
+  return option->check(problem)->description(fmt::format("{}, {} to {}", option->get_description(), low, high));
 }
 
 /// Action of a command once its options are read; returns the exit code.

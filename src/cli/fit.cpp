@@ -41,11 +41,9 @@ Action fit_command(CLI::App& command) {
   add_repeatable(command, "--deviation", "COLUMN=NUMBER", request.deviations,
                  "Standard deviation of a column's noise, or of contact times, such as u_left=1e-3 or events=1e-4 "
                  "(repeatable; default: 1 % of the column's largest value, of the last contact time)");
-  add(command, "--starts", "N", request.starts, "Begin so many times, spread over the bounds")
-      ->check(in_range(1, 10000))
+  within(add(command, "--starts", "N", request.starts, "Begin so many times, spread over the bounds"), 1, 10000)
       ->capture_default_str();
-  add(command, "--runs", "N", request.most_runs, "Runs of the model at most, for each start")
-      ->check(in_range(1, 1000000))
+  within(add(command, "--runs", "N", request.most_runs, "Runs of the model at most, for each start"), 1, 1000000)
       ->capture_default_str();
   return [asked] { return fit_scene(*asked); };
 }

@@ -115,18 +115,16 @@ Action limit_command(CLI::App& command) {
   add(command, "--epsilon", "FIRST:LAST", asked->epsilon,
       "The penalties, from the first down to the last (default: 1e-2 to 1e-8 times L/E, under a span obstacle alone "
       "L^2/E)");
-  add(command, "--per-decade", "N", asked->per_decade, "Penalties a decade")
-      ->check(in_range(1, 100))
-      ->capture_default_str();
+  within(add(command, "--per-decade", "N", asked->per_decade, "Penalties a decade"), 1, 100)->capture_default_str();
   add(command, "--mass", "NAME", asked->mass, "The mass matrix, in place of the scene's");
   add(command, "--elements", "N,N...", asked->elements,
       "Meshes, in place of the scene's, or FIRST:LAST, doubled; three or more: also the bar's own motion, and epsilon(h)");
   add_list(command, "--steps", "DT,DT...", study.steps,
            "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
       ->check(positive_number);
-  asked->budget = add(command, "--budget", "SECONDS", study.budget,
-                      "Processor seconds of all runs; the study goes on by itself until the verdict is known")
-                      ->check(in_range(0.0, 1e6))
+  asked->budget = within(add(command, "--budget", "SECONDS", study.budget,
+                             "Processor seconds of all runs; the study goes on by itself until the verdict is known"),
+                         0.0, 1e6)
                       ->capture_default_str();
   asked->scene.takes_accuracy = true;
   add_error(command, asked->error, "Choose the elements so that the limit epsilon = 0 keeps this error of the mesh");

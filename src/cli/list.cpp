@@ -26,8 +26,8 @@ std::vector<Vocabulary> chosen_lists(const std::string& word) {
 std::string terminal_text(Vocabulary list) {
   if (list == Vocabulary::keys) {
     std::string lines;
-    for (const SceneKey& key : scene_keys())
-      lines += fmt::format("  {}\n      {}\n      {}\n", key.name, key.meaning, facts(key));
+    for (const SceneKey* key : listed_keys())
+      lines += fmt::format("  {}\n      {}\n      {}\n", listed_name(*key), key->meaning, facts(*key));
     return lines;
   }
   Table table = vocabulary_table(list);

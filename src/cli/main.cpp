@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <new>
 #include <sstream>
 
@@ -46,6 +47,23 @@ constexpr struct {
     {"info", "List the contents of a directory of results, or of one summary", info_command},
     {"export", "Write the field and the end traces of a run as CSV or XDMF", export_command},
     {"help", "Print the help of a command", help_command},
+};
+
+/// Help in which an argument is SCENE, an option --starts N, and what has to be there or is the default stands behind
+/// the meaning.
+class HelpText : public CLI::Formatter {
+  std::string make_option_name(const CLI::Option* option, bool positional) const override {
+    return positional ? option->get_type_name() : CLI::Formatter::make_option_name(option, positional);
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return option->get_positional() || option->get_type_size() == 0 ? "" : " " + option->get_type_name();
+  }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    std::string text = option->get_description();
+    if (option->get_required() && !option->get_positional()) text += " (required)";
+    if (!option->get_default_str().empty()) text += fmt::format(" (default: {})", option->get_default_str());
+    return text;
+  }
 };
 
 std::string version_text() {
@@ -143,6 +161,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("-V,--version", version_text(), "Print the versions and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
+  app.formatter(std::make_shared<HelpText>());
   std::map<std::string, Action> actions;
   MessageOptions messages;
   const std::string_view called = argc > 1 ? argv[1] : "";
@@ -158,7 +177,8 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == success) {
+    const bool known = called.empty() || called.starts_with('-') || app.get_subcommand_no_throw(std::string(called));
+    if (error.get_exit_code() == success && known) {
       std::ostringstream text;
       app.exit(error, text);
       print(text.str());

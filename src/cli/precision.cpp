@@ -57,13 +57,13 @@ Action precision_command(CLI::App& command) {
   add_list(command, "--methods", "NAME,NAME...", asked->methods, "The methods (default: all that fit the scene)");
   add(command, "--tolerance", "FIRST:LAST", asked->tolerance, "Relative tolerances of adaptive methods, a decade apart")
       ->capture_default_str();
-  add(command, "--halvings", "N", study.halvings, "How often the schemes' step is halved, from h / c on")
-      ->check(in_range(0, 30))
+  within(add(command, "--halvings", "N", study.halvings, "How often the schemes' step is halved, from h / c on"), 0, 30)
       ->capture_default_str();
   add_list(command, "--elements", "N,N...", study.elements, "Meshes, in place of the scene's")
       ->check(number_of_elements);
-  add(command, "--repeat", "N", study.repeat, "Timed runs of each row, whose median counts (default: 3 to 11)")
-      ->check(in_range(3, 9999));
+  within(add(command, "--repeat", "N", study.repeat,
+             "Timed runs of each row, an odd number, whose median counts (default: up to 11)"),
+         3, 9999);
   add(command, "--seconds", "SECONDS", study.seconds, "Runs that take longer are left out")
       ->check(positive_number)
       ->capture_default_str();

@@ -18,6 +18,7 @@
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
+#include "text/number.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar::cli {
@@ -26,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string with_unit(double value, const Scene& scene, Dimension quantity) {
-  return NumberText(NumberText::For::terminal, scene)(value, quantity, 6);
+std::string with_unit(double value, const Scene& scene, Dimension quantity, int digits = 6) {
+  return NumberText(NumberText::For::terminal, scene)(value, quantity, digits);
 }
 
 /// The first contacts of the ends, each from its closing to its opening, with the impulse between.
@@ -54,7 +55,7 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
       tell(begun->second, &event), closed.erase(begun);
   }
   for (const auto& [where, lasting] : closed) tell(lasting, nullptr);
-  if (more > 0) text += row("", "and {} more contacts", more);
+  if (more > 0) text += row("", "and {} more contact{}", more, more == 1 ? "" : "s");
   return text;
 }
 
@@ -65,7 +66,8 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
   if (outcome.ending == Ending::completed)
     text += row("simulated time", with_unit(outcome.reached_time, run.scene, Dimension::time));
   else
-    text += row("simulated time", "{:.6g} of {:.6g}: not completed", outcome.reached_time, run.end);
+    text += row("simulated time", "{:.6g} of {}: not completed", outcome.reached_time,
+                with_unit(run.end, run.scene, Dimension::time));
   text += row("steps", "{}", outcome.steps);
   if (meets_obstacle(run.scene)) text += row("contact changes", "{}", outcome.events);
   if (const auto& statistics = outcome.statistics) {
@@ -74,22 +76,30 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
     if (statistics->max_penetration > 0.0)
       text += row("largest penetration", with_unit(statistics->max_penetration, run.scene, Dimension::length));
     if (const auto& energy = statistics->energy) {
+      const auto with = [&](double value, int digits = 6) {
+        return with_unit(value, run.scene, Dimension::energy, digits);
+      };
       const std::string end_rows =
-          energy->end_inertia == 0.0 ? "" : fmt::format(" ({:.3g} of it by the mass's end rows)", energy->end_inertia);
-      text += row("energy", "{:.6g} to {:.6g}, dissipated {:.6g}{}, work {:.6g}, balance error {:.2g}", energy->initial,
-                  energy->final, energy->dissipated, end_rows, energy->work, energy->balance_error());
+          energy->end_inertia == 0.0 ? ""
+                                     : fmt::format(" ({} of it by the mass's end rows)", with(energy->end_inertia, 3));
+      text += row("energy", "{} to {}, dissipated {}{}, work {}, balance error {}", with(energy->initial),
+                  with(energy->final), with(energy->dissipated), end_rows, with(energy->work),
+                  with(energy->balance_error(), 2));
     }
     if (const auto& account = statistics->account) {
-      const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {
+      const auto contact = [&](const std::string& where, bool there, const char* closing, const auto& obstacle) {
         if (there)
-          text += row(where, "{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
+          text += row(where, "{}, in contact for {}, impulse {}, peak reaction {}", counted(obstacle.closings, closing),
                       with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
                       with_unit(obstacle.impulse, run.scene, Dimension::impulse),
                       with_unit(obstacle.peak_reaction, run.scene, Dimension::force));
       };
-      contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
-      contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);
-      contact("span obstacle", run.scene.span.has_value(), "closings of nodes", account->span);
+      contact("left obstacle", is_obstacle(run.scene.left), "closing", account->left);
+      contact("right obstacle", is_obstacle(run.scene.right), "closing", account->right);
+      contact("span obstacle", run.scene.span.has_value(), "closing of nodes", account->span);
+      for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
+        contact(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, "closing",
+                k <= account->joints.size() ? account->joints[k - 1] : JointAccount{});
       // A resumed run has not heard of those before.
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
@@ -104,7 +114,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       if (remark && account->left.closings + account->right.closings > 0) text += row("peak reaction", *remark);
     }
     if (outcome.error_estimate)
-      for (const auto& [what, value] : estimate_rows(*outcome.error_estimate)) text += row(what, value);
+      for (const auto& [what, value] : estimate_rows(run.scene, *outcome.error_estimate)) text += row(what, value);
     if (!outcome.no_estimate.empty()) text += row("error, estimated", "there is no estimate: " + outcome.no_estimate);
     text += row("integration", "{:.3g} s", statistics->integration_seconds);
   }
@@ -134,9 +144,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   catch_interrupts();
   std::optional<Progress> progress;
   if (!quiet && !json && on_terminal()) progress.emplace();
-  std::optional<double> began;
   options.progress = [&](double time, std::size_t steps) {
-    if (!began) began = time;
     constexpr std::size_t between_looks = 16;
     if (!progress || steps % between_looks != 0 || !progress->due()) return;
     const double share = std::clamp(time / scene.run.end, 0.0, 1.0);
@@ -170,7 +178,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
         "stopped at t = {}: {}", outcome.reached_time,
         out_of_time && outcome.ending == Ending::interrupted ? "the time of --wall-time is over" : outcome.error));
   constexpr double little = 1e-3;
-  const double advanced = outcome.reached_time - began.value_or(outcome.reached_time);
+  const double advanced = outcome.reached_time - recorded.began;
   if (out_of_time && outcome.ending == Ending::interrupted && advanced < little * scene.run.end)
     complain(
         fmt::format("in that time the run advanced by {:.2g} of {:.6g}, for its start took the rest: give "

@@ -9,6 +9,7 @@
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/unit_names.hpp"
+#include "text/number.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -144,8 +145,15 @@ void SceneEntries::add_text(const std::string& text) {
     report_at({end_.source, error.at}, "", error.what());
     return;
   }
-  number_members(read);
   end_.at = position_in(text, text.size());
+  const auto named = [&](std::string_view key) { return std::ranges::find(read.inside, key, &TomlNode::key); };
+  for (const char* key : {"vary", "scene"})
+    if (const auto node = named(key); node != read.inside.end() && named("bar") == read.inside.end()) {
+      readable_ = false;
+      return report_at({end_.source, node->key_at}, "",
+                       "this is a sweep, which names a scene: `viscobar sweep` runs it");
+    }
+  number_members(read);
 
   // A misspelt table or key stands for the one it resembles, unless that one is there, too: so its values are checked,
   // and nothing counts as missing.
@@ -365,8 +373,14 @@ void SceneEntries::fill_in() {
 }
 
 std::size_t SceneEntries::members(std::string_view table) const {
+  // A key that is set makes no bar of its own, but for the length or the mass.
+  const auto is_there = [&](const std::string& member) {
+    const auto found = tables_.find(member);
+    return found != tables_.end() && (table != "bar" || found->second.source != override_source ||
+                                      given(member + ".length") || given(member + ".mass"));
+  };
   std::size_t count = 0;
-  while (tables_.contains(fmt::format("{}.{}", table, count + 1))) ++count;
+  while (is_there(fmt::format("{}.{}", table, count + 1))) ++count;
   return count;
 }
 
@@ -376,9 +390,8 @@ void SceneEntries::report_members_apart() {
     const std::string_view table = std::string_view(name).substr(0, name.find('.'));
     const std::size_t count = members(table);
     if (std::stoul(name.substr(table.size() + 1)) > count)
-      report_at(
-          place, name,
-          fmt::format("there {} {} table{} [[{}]]", count == 1 ? "is" : "are", count, count == 1 ? "" : "s", table));
+      report_at(place, name,
+                fmt::format("there {} {} [[{}]]", count == 1 ? "is" : "are", counted(count, "table"), table));
   }
 }
 

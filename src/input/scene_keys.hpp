@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +49,11 @@ std::span<const SceneKey> scene_keys();
 
 /// Those of the tables [[bar]] and [[joint]] of several bars in line, as "bar.length".
 std::span<const SceneKey> member_keys();
+
+/// The key as lists name it: "bar.length" of [bar], "bar.K.length" of the K-th table [[bar]].
+std::string listed_name(const SceneKey& key);
+/// The keys of scene_keys(), then those of member_keys().
+std::vector<const SceneKey*> listed_keys();
 /// True if that is the name of a key of one of them, "bar.2.length".
 bool is_member_key(std::string_view name);
 /// True if that names such a table, "bar.2".

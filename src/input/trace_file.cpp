@@ -355,7 +355,7 @@ class TraceReader {
       if (column.name != "t" && !contains(words_, column.name)) remove_codes(file_, table_, column);
     }
     const auto equal = std::ranges::adjacent_find(t);
-    table_.understood = fmt::format("{}: {} rows, {} from {} to {}, of {}", file_, table_.rows,
+    table_.understood = fmt::format("{}: {}, {} from {} to {}, of {}", file_, counted(table_.rows, "row"),
                                     labelled(*table_.column("t")), t.front(), t.back(), fmt::join(names, ", "));
     const auto add = [&](bool holds, const std::string& what) {
       if (holds) table_.understood += "; " + what;
@@ -364,11 +364,11 @@ class TraceReader {
                            : separator_ == ';' ? "semicolons between values"
                                                : "tabs between values");
     add(commas_, "decimal commas");
-    add(missing_ > 0, fmt::format("{} values not measured", missing_));
+    add(missing_ > 0, counted(missing_, "value not measured"));
     add(sorted, "sorted by time");
     add(equal != t.end(), "some times are equal");
-    add(comments_ > 0, fmt::format("{} lines of comments left out", comments_));
-    add(left_out_ > 0, fmt::format("{} lines before the names left out", left_out_));
+    add(comments_ > 0, counted(comments_, "line of comments left out"));
+    add(left_out_ > 0, counted(left_out_, "line before the names left out"));
     for (const std::string& what : left_) add(true, what + " left out");
   }
 

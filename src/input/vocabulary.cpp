@@ -41,7 +41,9 @@ std::string default_words(const SceneKey& key) {
   if (key.presence == Presence::required) return "required";
   const std::string value = key.fallback.empty() ? "none" : code(key.fallback);
   if (key.presence == Presence::optional) return value;
-  return fmt::format("required in `[{}]`{}", key.table(), key.fallback.empty() ? "" : ", else " + value);
+  const bool of_joint = key.table() == "joint";
+  return fmt::format("required in `{}{}{}`{}", of_joint ? "[[" : "[", key.table(), of_joint ? "]]" : "]",
+                     key.fallback.empty() ? "" : ", else " + value);
 }
 
 std::string_view accuracy_words(Accuracy accuracy) {
@@ -55,7 +57,7 @@ Json fallback_value(const SceneKey& key) { return key.fallback.empty() ? Json(nu
 Json to_json(const SceneKey& key) {
   constexpr std::string_view types[] = {"text", "choice", "number", "count", "formula", "list", "amount", "numbers"};
   constexpr std::string_view presences[] = {"always", "in its table", "never"};
-  Json json = {{"key", key.name},
+  Json json = {{"key", listed_name(key)},
                {"type", types[static_cast<std::size_t>(key.type)]},
                {"required", presences[static_cast<std::size_t>(key.presence)]},
                {"default", fallback_value(key)},
@@ -118,11 +120,11 @@ Table vocabulary_table(Vocabulary vocabulary) {
       break;
     case Vocabulary::keys:
       table.header = {"key", "type", "default", "unit", "meaning"};
-      for (const SceneKey& key : scene_keys()) {
-        const bool of_either_end = key.leaf() != "kind" && (key.table() == "left" || key.table() == "right");
-        if (of_either_end && key.table() == "right") continue;
-        add(of_either_end ? fmt::format("left.{0}`, `right.{0}", key.leaf()) : std::string(key.name),
-            {type_words(key), default_words(key), key.unit, key.meaning});
+      for (const SceneKey* key : listed_keys()) {
+        const bool of_either_end = key->leaf() != "kind" && (key->table() == "left" || key->table() == "right");
+        if (of_either_end && key->table() == "right") continue;
+        add(of_either_end ? fmt::format("left.{0}`, `right.{0}", key->leaf()) : listed_name(*key),
+            {type_words(*key), default_words(*key), key->unit, key->meaning});
       }
       break;
   }
@@ -147,7 +149,7 @@ std::string vocabulary_json(Vocabulary vocabulary) {
         json.push_back({{"mass", word}, {"meaning", meaning}});
       break;
     case Vocabulary::keys:
-      for (const SceneKey& key : scene_keys()) json.push_back(to_json(key));
+      for (const SceneKey* key : listed_keys()) json.push_back(to_json(*key));
       break;
   }
   return json.dump();
@@ -165,7 +167,8 @@ std::string facts(const SceneKey& key) {
 std::string scene_template() {
   std::string text =
       "# A scene of viscobar. Keys that are commented out are optional. `viscobar check FILE` describes the scene,\n"
-      "# `viscobar run FILE` computes it, docs/scene-file.md explains every key.\n\n";
+      "# `viscobar run FILE` computes it, docs/scene-file.md explains every key. Several bars in line have tables\n"
+      "# [[bar]] and [[joint]]: docs/bars-in-line.md.\n\n";
   std::string_view table;
   const auto given_there = [&](const SceneKey& key) { return key.table() == table && is_given(key); };
   for (const SceneKey& key : scene_keys()) {

@@ -135,7 +135,7 @@ class RecordedRun {
     }
     ArchiveReader archive(last_.collected);
     archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
-    outcome().reached_time = last_.motion->time;
+    record_.began = outcome().reached_time = last_.motion->time;
     outcome().steps = last_.motion->statistics.steps;
     outcome().events = last_.motion->statistics.events;
     outcome().checkpoints = last_.times;

@@ -61,7 +61,7 @@ std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& sys
   for (const JointAccount& joint : done.account->joints) closings += joint.closings;
   if (closings == 0) return std::nullopt;
   const auto why = peak_remark(setup, system);
-  return why ? std::optional("max_reaction: " + *why) : std::nullopt;
+  return why ? std::optional("peak reaction: " + *why) : std::nullopt;
 }
 
 /// Warns of impacts without a contact: the bar pulls its node away at once, which is an error of the mesh. Those of a
@@ -138,6 +138,7 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
   const auto pass_on = [&](const std::optional<std::string>& warning) {
     if (warning) warn(*warning);
   };
+  pass_on(strain_remark(setup, system));
   pass_on(sensitivity_warning(done));
   pass_on(graze_warning(outcome, done));
   if (!done.energy) return;

@@ -92,6 +92,9 @@ std::vector<std::string> names_of_traces() {
 TraceFile read_measured(const SceneFile& scene, const std::string& file, const std::vector<std::string>& known,
                         const std::vector<std::string>& required, const std::vector<std::string>& words) {
   TraceFile table = read_traces(file, known, required, words);
+  if (table.columns.size() == 1)
+    throw std::invalid_argument(fmt::format("{}: has no known column beside t; known are {}", file,
+                                            fmt::join(known.begin() + 1, known.end(), ", ")));
   TraceFile::Column& t = *table.column("t");
   convert(table, t, scene.run.scene.units.time, file);
   for (TraceFile::Column& column : table.columns)

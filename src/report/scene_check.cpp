@@ -9,7 +9,8 @@
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "input/described_scene.hpp"
-#include "report/scene_ends.hpp"
+#include "input/unit_of_key.hpp"
+#include "report/number_text.hpp"
 #include "results/json.hpp"
 #include "results/summary.hpp"
 #include "studies/accuracy/quick_estimate.hpp"
@@ -32,23 +33,36 @@ std::string_view load_kind(const Scene& scene) {
   return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
 }
 
-std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input) {
+namespace {
+
+NumberText terminal(const Scene& scene) { return NumberText(NumberText::For::terminal, scene); }
+
+std::string with_unit_of(std::string_view key, double value, const Scene& scene, int digits = 6) {
+  return terminal(scene)(value, unit_of_key(key, scene).value_or(UnitPowers{}), digits);
+}
+
+}  // namespace
+
+std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end) {
+  const EndInput& input = end.input;
   std::vector<std::string> text;
   if (input.force)
-    text.push_back(input.force->steady ? fmt::format("force {:.6g}", input.force->value(0.0))
+    text.push_back(input.force->steady ? "force " + terminal(scene)(input.force->value(0.0), Dimension::force, 6)
                                        : "force F(t), on the row of the end");
   if (input.stiffness > 0.0)
-    text.push_back(fmt::format("spring k = {:.6g} = {:.3g} E/L, at rest at u = 0", input.stiffness,
+    text.push_back(fmt::format("spring k = {} = {:.3g} E/L, at rest at u = 0",
+                               with_unit_of("left.stiffness", input.stiffness, scene),
                                input.stiffness * bar.length / bar.modulus));
   if (input.dashpot > 0.0)
-    text.push_back(fmt::format("dashpot c = {:.6g} = {:.3g} sqrt(E rho)", input.dashpot,
+    text.push_back(fmt::format("dashpot c = {} = {:.3g} sqrt(E rho)",
+                               with_unit_of("left.dashpot", input.dashpot, scene),
                                input.dashpot / std::sqrt(bar.modulus * bar.density)));
   if (input.mass > 0.0)
-    text.push_back(
-        fmt::format("mass m = {:.6g} = {:.3g} of the bar's", input.mass, input.mass / (bar.density * bar.length)));
+    text.push_back(fmt::format("mass m = {} = {:.3g} of the bar's", with_unit_of("left.mass", input.mass, scene),
+                               input.mass / (bar.density * bar.length)));
   if (input.motion)
     text.push_back(
-        is_obstacle(end)
+        is_obstacle(end.condition)
             ? "the obstacle moves: where the bar may touch it, the frame of the computation begins to follow it"
             : "motion d(t): the bar is computed in a frame that moves with it");
   return text;
@@ -57,14 +71,15 @@ std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, co
 namespace {
 
 // Least and largest of(f(x)) along the bar.
-std::string range_along(const Scene& scene, const SpaceFunction& f, auto&& of) {
+std::string range_along(const Scene& scene, const SpaceFunction& f, const UnitPowers& unit, auto&& of) {
   constexpr int places = 200;
   double least = of(f(0.0)), most = least;
   for (int j = 1; j <= places; ++j) {
     const double value = of(f(scene.bar.length * j / places));
     least = std::min(least, value), most = std::max(most, value);
   }
-  return least == most ? fmt::format("{:.4g}", most) : fmt::format("{:.4g} to {:.4g}", least, most);
+  const std::string last = terminal(scene)(most, unit, 4);
+  return least == most ? last : fmt::format("{:.4g} to {}", least, last);
 }
 
 }  // namespace
@@ -73,53 +88,68 @@ std::vector<std::string> member_texts(const Scene& scene) {
   std::vector<std::string> lines;
   for (const Member& member : scene.chain) {
     const Bar& bar = member.bar;
-    std::string text = fmt::format("rigid body of mass {}", member.mass);
+    const auto with = [&](std::string_view key, double value) { return with_unit_of(key, value, scene, 10); };
+    std::string text = "rigid body of mass " + with("bar.1.mass", member.mass);
     if (!member.rigid())
-      text = fmt::format("bar of L = {}, rho = {}, E = {}, eta = {}{}", bar.length, bar.density, bar.modulus,
-                         bar.viscosity, member.section ? ", of varying section" : "");
+      text = fmt::format("bar of L = {}, rho = {}, E = {}, eta = {}{}", with("bar.length", bar.length),
+                         with("bar.density", bar.density), with("bar.modulus", bar.modulus),
+                         with("bar.viscosity", bar.viscosity), member.section ? ", of varying section" : "");
     const Joint& joint = member.joint;
     if (&member != &scene.chain.back()) text += fmt::format(", then {}", name(joint.kind));
-    if (joint.kind == JointKind::contact) text += fmt::format(" over a gap of {}", joint.gap);
-    if (joint.kind == JointKind::spring) text += fmt::format(" of k = {}, c = {}", joint.stiffness, joint.damping);
+    if (joint.kind == JointKind::contact) text += fmt::format(" over a gap of {}", with("joint.1.gap", joint.gap));
+    if (joint.kind == JointKind::spring)
+      text += fmt::format(" of k = {}, c = {}", with("left.stiffness", joint.stiffness),
+                          with("left.dashpot", joint.damping));
     lines.push_back(std::move(text));
   }
   return lines;
 }
 
 std::string section_text(const Scene& scene) {
-  return "A = " + range_along(scene, scene.section, [](double area) { return area; });
+  return "A = " + range_along(scene, scene.section, UnitPowers{2, 0, 0, 0}, [](double area) { return area; });
 }
 
 std::string side_text(const Scene& scene) {
-  const auto range = [&](const SpaceFunction& f, auto&& of) { return range_along(scene, f, of); };
+  const auto range = [&](const SpaceFunction& f, std::string_view unit, auto&& of) {
+    return range_along(scene, f, unit_powers(unit).value(), of);
+  };
   if (!scene.side) return "none";
   const SpaceFunction &stiffness = scene.side->stiffness, &drag = scene.side->drag;
   const double rho = scene.bar.density;
   const auto value = [](double x) { return x; };
   std::string text;
   if (stiffness)
-    text = fmt::format("springs k = {}, frequency sqrt(k/rho) = {}", range(stiffness, value),
-                       range(stiffness, [rho](double k) { return std::sqrt(k / rho); }));
+    text =
+        fmt::format("springs k = {}, frequency sqrt(k/rho) = {}", range(stiffness, "stress / length / length", value),
+                    range(stiffness, "1 / time", [rho](double k) { return std::sqrt(k / rho); }));
   if (drag)
-    text += fmt::format("{}drag c = {}, decay c/(2 rho) = {}", text.empty() ? "" : "; ", range(drag, value),
-                        range(drag, [rho](double c) { return c / (2.0 * rho); }));
+    text += fmt::format("{}drag c = {}, decay c/(2 rho) = {}", text.empty() ? "" : "; ",
+                        range(drag, "stress x time / length / length", value),
+                        range(drag, "1 / time", [rho](double c) { return c / (2.0 * rho); }));
   return text;
 }
 
 std::string contact_kind(const Setup& setup) {
   const Case& run = setup.run;
+  const NumberText number = terminal(run.scene);
+  const std::string epsilon = number(setup.epsilon, number.of_epsilon, 6);
   std::string stops;
   for (const SceneEnd& end : ends_of(run.scene))
-    if (const auto& stop = end.input.stop)
-      stops += fmt::format(
-          "{}{} by {}, k = {:.6g}{}", stops.empty() ? "" : "; ", end.name, name(stop->law), stop->stiffness,
-          has_damper(stop->law) ? fmt::format(", {} = {:.6g}", stop->linear() ? "c" : "lambda", stop->damping) : "");
+    if (const auto& stop = end.input.stop) {
+      // Of Hertz' law a force is k d^(3/2), and lambda multiplies it.
+      const bool linear = stop->linear();
+      const UnitPowers stiffness{linear ? -1.0 : -1.5, 0, 1, 1};
+      const UnitPowers damping = unit_powers(linear ? "force x time / length" : "time / length").value();
+      stops += fmt::format("{}{} by {}, k = {}", stops.empty() ? "" : "; ", end.name, name(stop->law),
+                           number(stop->stiffness, stiffness, 6));
+      if (has_damper(stop->law))
+        stops += fmt::format(", {} = {}", linear ? "c" : "lambda", number(stop->damping, damping, 6));
+    }
   if (!stops.empty() && !has_penalty(run.scene)) return stops;
-  if (!stops.empty()) return fmt::format("{}; elsewhere penalty, epsilon = {:.6g}", stops, setup.epsilon);
+  if (!stops.empty()) return fmt::format("{}; elsewhere penalty, epsilon = {}", stops, epsilon);
   if (is_penalised(run.method))
-    return fmt::format("penalty, epsilon = {:.6g} = {:.3g} {}{}", setup.epsilon,
-                       setup.epsilon / natural_epsilon(run.scene), natural_epsilon_words(run.scene),
-                       run.epsilon ? "" : ", chosen for the mesh");
+    return fmt::format("penalty, epsilon = {} = {:.3g} {}{}", epsilon, setup.epsilon / natural_epsilon(run.scene),
+                       natural_epsilon_words(run.scene), run.epsilon ? "" : ", chosen for the mesh");
   if (run.method == MethodName::characteristics) return "exact: an end answers what arrives";
   if (run.method == MethodName::rigid) return "rigid: closed nodes are held";
   return run.restitution.value_or(0.0) > 0.0 || run.impact == Impact::moreau
@@ -157,15 +187,17 @@ double gap_of(const Scene& scene, Where where) {
 
 /// An obstacle on the inner side of an end, which the bar leaves and does not come back to: in most such scenes a wall
 /// on its outer side was meant.
-std::optional<std::string> inner_obstacle(const SceneEnd& end, const std::vector<FirstImpact>& impacts) {
+std::optional<std::string> inner_obstacle(const Scene& scene, const SceneEnd& end,
+                                          const std::vector<FirstImpact>& impacts) {
   const auto* obstacle = std::get_if<Obstacle>(&end.condition);
   const bool right = end.x > 0.0, above = obstacle && obstacle->side == Side::above;
   const auto where = right ? Where::right : Where::left;
   if (!obstacle || above == right || std::ranges::count(impacts, where, &FirstImpact::where) > 0) return std::nullopt;
   return fmt::format(
-      "the {0} obstacle bounds u {1} ({2} {3:.6g}), and the bar does not come to it: a bar that moves to the {0} goes "
+      "the {0} obstacle bounds u {1} ({2} {3}), and the bar does not come to it: a bar that moves to the {0} goes "
       "on; for a wall on the {0} of the bar write side = \"{4}\" in [{0}]",
-      end.name, above ? "from above" : "from below", above ? "u <=" : "u >=", above ? obstacle->gap : -obstacle->gap,
+      end.name, above ? "from above" : "from below",
+      above ? "u <=" : "u >=", terminal(scene)(above ? obstacle->gap : -obstacle->gap, Dimension::length, 6),
       above ? "below" : "above");
 }
 
@@ -173,24 +205,26 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
                                      const std::vector<ContactRegime>& regimes,
                                      const std::optional<Foresight>& foreseen) {
   const Case& run = setup.run;
+  const NumberText number = terminal(run.scene);
   std::vector<std::string> found;
   if (foreseen)
     for (const SceneEnd& end : ends_of(run.scene))
-      if (const auto inner = inner_obstacle(end, foreseen->impacts)) found.push_back(*inner);
+      if (const auto inner = inner_obstacle(run.scene, end, foreseen->impacts)) found.push_back(*inner);
   if (!run.reservation.empty()) found.push_back(run.reservation);
+  if (const auto strains = strain_remark(setup, system)) found.push_back(*strains);
   for (const SceneEnd& end : ends_of(run.scene)) {
     if (!is_fixed(end.condition)) continue;
     const auto& motion = end.input.motion;
     const double v = run.scene.velocity(end.x);
     if (!motion && v != 0.0)
-      found.push_back(
-          fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", end.name, v));
+      found.push_back(fmt::format("the {} end is fixed, but its initial velocity is {}: it is held still", end.name,
+                                  number(v, Dimension::velocity, 6)));
     const double begins = motion ? motion->velocity(0.0) : 0.0;
     if (motion && std::abs(v - begins) > 1e-9 * std::max(std::abs(v), std::abs(begins)))
       found.push_back(
-          fmt::format("the motion of the {} end begins with the velocity {:.6g}, but its initial velocity is "
-                      "{:.6g}: the end goes with its motion at once, and sends a front",
-                      end.name, begins, v));
+          fmt::format("the motion of the {} end begins with the velocity {}, but its initial velocity is "
+                      "{}: the end goes with its motion at once, and sends a front",
+                      end.name, number(begins, Dimension::velocity, 6), number(v, Dimension::velocity, 6)));
   }
   for (const ContactRegime& regime : regimes)
     if (regime.chatters) found.push_back(advice(setup, regime, !foreseen || foreseen->chatters.value_or(true)));
@@ -199,9 +233,10 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
     if (const double gap = gap_of(run.scene, regime.where);
         regime.impact && is_no_obstacle(regime.impact->penetration, std::max(displacement, gap)))
       found.push_back(fmt::format(
-          "{}: a penetration of {:.2g} is predicted, beside a gap of {:.2g} and displacements of {:.2g}: that is a "
-          "spring rather than an obstacle; {}",
-          name(regime.where), regime.impact->penetration, gap, displacement, stiffer_advice(setup)));
+          "{}: a penetration of {} is predicted, beside a gap of {} and displacements of {}: that is a spring rather "
+          "than an obstacle; {}",
+          name(regime.where), number(regime.impact->penetration, Dimension::length, 2),
+          number(gap, Dimension::length, 2), number(displacement, Dimension::length, 2), stiffer_advice(setup)));
   return found;
 }
 
@@ -305,8 +340,7 @@ std::string check_json(const SceneCheck& check) {
   if (run.scene.section) json["terms"]["section"] = section_text(run.scene);
   if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))
-    if (const auto words = inputs_text(system.bar(), end.condition, end.input); !words.empty())
-      json["terms"][end.name] = words;
+    if (const auto words = inputs_text(run.scene, system.bar(), end); !words.empty()) json["terms"][end.name] = words;
   json["contact_nodes"] = system.contacts().size();
   json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
   json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};

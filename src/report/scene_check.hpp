@@ -8,6 +8,7 @@
 
 #include "case/regime.hpp"
 #include "case/run_cost.hpp"
+#include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "viscobar/case/accuracy.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -40,7 +41,7 @@ std::string section_text(const Scene& scene);
 /// A line for each member of a chain: what it is, and how it hangs together with the next.
 std::vector<std::string> member_texts(const Scene& scene);
 /// Forces, motion and mounts of an end, and their terms in the model, a sentence for each.
-std::vector<std::string> inputs_text(const Bar& bar, const EndCondition& end, const EndInput& input);
+std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end);
 std::string contact_kind(const Setup& setup);
 
 }  // namespace viscobar

@@ -32,6 +32,24 @@ std::string power(std::string_view name, double exponent) {
   return exponent == 1.0 ? std::string(name) : fmt::format("{}^{}", name, exponent);
 }
 
+// Empty where a unit is not named.
+std::string name_of(const Units& units, const Powers& all) {
+  // The force first, and the mass: "N s/m^2", "kg/s^2".
+  std::string above, below;
+  int divisors = 0;
+  for (const std::size_t k : {4, 3, 2, 0, 1}) {
+    const std::string& name = units.*kinds[k].second;
+    const double exponent = all[k];
+    if (exponent == 0.0) continue;
+    if (name.empty()) return {};
+    std::string& part = exponent > 0.0 ? above : below;
+    if (exponent < 0.0) ++divisors;
+    part += (part.empty() ? "" : " ") + power(name, std::abs(exponent));
+  }
+  if (below.empty()) return above;
+  return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
+}
+
 }  // namespace
 
 UnitPowers unit_powers(Dimension quantity) {
@@ -63,6 +81,8 @@ std::optional<UnitPowers> unit_powers(std::string_view words) {
 
 std::string unit_name(const Units& units, const UnitPowers& powers) {
   auto [length, time, stress, area] = powers;
+  const double in_length = length + (units.of_section ? 2.0 * area : 0.0);
+  const std::string by_mass = name_of(units, {in_length - stress, time - 2.0 * stress, stress, 0, 0});
   Powers all{length, time, 0, 0, 0};
   if (units.of_section) {
     const double forces = units.force.empty() || area * stress <= 0.0 ? 0.0 : std::min(area / stress, 1.0) * stress;
@@ -74,20 +94,10 @@ std::string unit_name(const Units& units, const UnitPowers& powers) {
     if (!parts) return {};
     for (std::size_t k = 0; k < all.size(); ++k) all[k] += stress * (*parts)[k];
   }
-  // The force first, and the mass: "N s/m^2", "kg/s^2".
-  std::string above, below;
-  int divisors = 0;
-  for (const std::size_t k : {4, 3, 2, 0, 1}) {
-    const std::string& name = units.*kinds[k].second;
-    const double exponent = all[k];
-    if (exponent == 0.0) continue;
-    if (name.empty()) return {};
-    std::string& part = exponent > 0.0 ? above : below;
-    if (exponent < 0.0) ++divisors;
-    part += (part.empty() ? "" : " ") + power(name, std::abs(exponent));
-  }
-  if (below.empty()) return above;
-  return fmt::format("{}/{}", above.empty() ? "1" : above, divisors > 1 ? "(" + below + ")" : below);
+  // A density is kg/m^3 rather than Pa s^2/m^2, a stress a stress.
+  std::string name = name_of(units, all);
+  const bool by_its_own = powers == unit_powers(Dimension::stress) || powers == unit_powers(Dimension::force);
+  return !by_mass.empty() && by_mass.size() < name.size() && !by_its_own ? by_mass : name;
 }
 
 std::string unit_name(const Units& units, Dimension quantity, const std::optional<UnitPowers>& per) {

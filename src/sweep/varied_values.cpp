@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <optional>
 
 #include "input/scene_values.hpp"
@@ -98,15 +99,31 @@ std::optional<Range> read_range(const TomlNode& node, const Report& report) {
   return sound ? std::optional(range) : std::nullopt;
 }
 
+// The number of 15 digits, counted from the first one of `size`, where that is the value but for rounding: 7e-5 / 14 is
+// 5e-6, not 4.9999999999999996e-6.
+double rounded(double value, double size) {
+  if (value == 0.0) return value;
+  const auto magnitude = [](double of) { return static_cast<int>(std::floor(std::log10(std::abs(of)))); };
+  const int digits = 15 + magnitude(value) - magnitude(size);
+  const double near = digits > 0 ? std::strtod(fmt::format("{:.{}e}", value, digits - 1).c_str(), nullptr) : 0.0;
+  return std::abs(near - value) <= 4.0 * std::numeric_limits<double>::epsilon() * std::abs(size) ? near : value;
+}
+
 std::vector<double> by_count(const Range& range) {
   const std::size_t count = *range.count;
+  const auto steps = static_cast<double>(count - 1);
+  const double larger = std::max(std::abs(range.from), std::abs(range.to));
   std::vector<double> values = {range.from};
-  for (std::size_t k = 1; k < count; ++k) {
-    const double share = static_cast<double>(k) / static_cast<double>(count - 1);
-    values.push_back(k + 1 == count      ? range.to
-                     : range.logarithmic ? range.from * std::pow(range.to / range.from, share)
-                                         : std::lerp(range.from, range.to, share));
+  for (std::size_t k = 1; k + 1 < count; ++k) {
+    const auto step = static_cast<double>(k);
+    if (range.logarithmic) {
+      const double value = range.from * std::pow(range.to / range.from, step / steps);
+      values.push_back(rounded(value, value));
+    } else {
+      values.push_back(rounded(range.from * ((steps - step) / steps) + range.to * (step / steps), larger));
+    }
   }
+  if (count > 1) values.push_back(range.to);
   return values;
 }
 

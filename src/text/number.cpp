@@ -89,6 +89,11 @@ std::string with_readable_numbers(std::string_view sentence) {
   return text;
 }
 
+std::string counted(std::size_t number, std::string_view what) {
+  const std::size_t word = std::min(what.find(' '), what.size());
+  return fmt::format("{} {}{}{}", number, what.substr(0, word), number == 1 ? "" : "s", what.substr(word));
+}
+
 std::string ordinal(std::size_t number) {
   const std::size_t last = number % 10;
   const bool teen = number / 10 % 10 == 1;

@@ -32,6 +32,9 @@ std::string power_of_ten(int exponent);
 /// 1st, 2nd, 3rd, 4th, ..., 11th, ..., 21st
 std::string ordinal(std::size_t number);
 
+/// 1 line, 2 lines, 2 lines of comments: the first word is in the plural.
+std::string counted(std::size_t number, std::string_view what);
+
 /// The text of a number with a true minus sign for its hyphen.
 std::string with_true_minus(std::string text);
 

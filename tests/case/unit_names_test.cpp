@@ -25,6 +25,21 @@ TEST(UnitNames, PreferTheNameOfTheStressThenThatOfTheForce) {
   EXPECT_EQ(unit_name({"mm", "ms", "t", "N", ""}, Dimension::impulse), "N ms/mm^2");
 }
 
+TEST(UnitNames, TakeTheMassWhereThatIsShorter) {
+  const auto name = [](Units units, const char* words, bool of_section = false) {
+    units.of_section = of_section;
+    return unit_name(units, unit_powers(words).value());
+  };
+  const Units si{"m", "s", "kg", "N", "Pa"};
+  EXPECT_EQ(name(si, "density"), "kg/m^3");
+  EXPECT_EQ(name(si, "density x length x area"), "kg/m^2");
+  EXPECT_EQ(name(si, "density x length x area", true), "kg");
+  EXPECT_EQ(name(si, "stress x time"), "Pa s");
+  EXPECT_EQ(name(si, "force x time", true), "N s");
+  EXPECT_EQ(name({"mm", "ms", "t", "N", ""}, "density"), "t/mm^3");
+  EXPECT_EQ(name({"m", "s", "", "", "Pa"}, "density"), "Pa s^2/m^2") << "without a mass";
+}
+
 TEST(UnitNames, OfForcesAreThoseOfTheWholeSectionWhereThereIsOne) {
   const auto names = [](Units units) {
     units.of_section = true;

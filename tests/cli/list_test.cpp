@@ -34,9 +34,10 @@ TEST_F(List, NamesEveryMethodAndMassInTheirOrder) {
     EXPECT_EQ(json["methods"][i + 1]["needs_step"], is_scheme(all_methods[i]));
   }
   EXPECT_EQ(json["masses"].size(), std::size(all_masses));
-  EXPECT_EQ(json["keys"].size(), scene_keys().size());
+  EXPECT_EQ(json["keys"].size(), scene_keys().size() + member_keys().size());
   const std::string page = markdown(vocabulary_table(Vocabulary::keys));
-  for (const SceneKey& key : scene_keys()) EXPECT_NE(page.find(fmt::format("`{}`", key.name)), page.npos) << key.name;
+  for (const SceneKey* key : listed_keys())
+    EXPECT_NE(page.find(fmt::format("`{}`", listed_name(*key))), page.npos) << key->name;
 }
 
 TEST_F(List, GivesTheLimitsAndDefaultsOfAKey) {
@@ -51,6 +52,8 @@ TEST_F(List, GivesTheLimitsAndDefaultsOfAKey) {
   EXPECT_EQ(find("method.name")["default"], automatic);
   EXPECT_EQ(find("bar.length")["required"], "always");
   EXPECT_EQ(find("bar.length")["unit"], "length");
+  EXPECT_EQ(find("bar.K.length")["required"], "never");
+  EXPECT_EQ(find("joint.K.kind")["choices"], nlohmann::json({"bonded", "contact", "spring"}));
 }
 
 TEST_F(List, WithoutAWordPrintsAllThatItsWordsPrint) {

@@ -210,6 +210,19 @@ class PictureTest(Test):
             self.assertIs(result.plot(kind, ax=right), figure)
             self.assertTrue(right.has_data() and not left.has_data())
             result.plot(kind).savefig(io.BytesIO())
+        line = viscobar.run(
+            {
+                "bar": [{"length": 1.0, "velocity": 1.0}, {"length": 1.0, "velocity": 0.0}],
+                "joint": [{"kind": "contact", "gap": 0.1}],
+                "time": {"end": 1.0},
+                "mesh": {"elements": 20},
+            }
+        )
+        figure, axis = pyplot.subplots()
+        line.plot("reactions", ax=axis)
+        self.assertEqual([one.get_label() for one in axis.lines], ["joint 1"])
+        self.assertGreater(axis.lines[0].get_ydata().max(), 0.0)
+        figure, (left, right) = pyplot.subplots(1, 2)
         self.assertIs(viscobar.plot(result, ax=left), figure)
         self.assertIs(compared.plot("right", ax=left), figure)
         self.assertIs(viscobar.limit(thrown(), epsilon=[1e-2, 1e-3]).plot(ax=left), figure)

@@ -44,6 +44,7 @@ struct RecordOptions {
 /// The result of record_run(), besides the files.
 struct RunRecord {
   Outcome outcome;                  ///< how far it came
+  double began = 0.0;               ///< time from which it went on
   std::string summary;              ///< summary.json as written
   std::optional<Case> run;          ///< case that was run, where record_to_accuracy() chose it
   std::filesystem::path directory;  ///< where its files are: the one given, or `unfinished` in it

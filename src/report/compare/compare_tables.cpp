@@ -88,7 +88,7 @@ const std::vector<Column<ComparedRun>>& compare_columns() {
       {"events_matched", "changes matched", of_difference(&Difference::events_matched),
        [](const Row& row, const NumberText&) {
          const Difference& d = *row.difference;
-         return fmt::format("{} of {}, {}", d.events_matched, d.events, d.events_other);
+         return fmt::format("{} of {} and {}", d.events_matched, d.events, d.events_other);
        }},
       difference("largest_event_shift", "largest shift", &Difference::largest_event_shift).in(Dimension::time),
       difference("energy_difference", "final energy", &Difference::energy_final).in(Dimension::energy),

@@ -78,18 +78,28 @@ std::string verdict(const FitResult& result) {
           ? "as many parameters as numbers: the deviations are those of the data as they are given or assumed"
           : fmt::format("{} degrees of freedom: 95 % of values lie within {:.3g} standard deviations", result.freedom,
                         deviations_of_95(result));
-  return fmt::format("{}: {}. The model is {:.3g} deviations of the data away from them; {}",
+  return fmt::format("{}: {}. Model and data differ by {:.3g} standard deviations of the data; {}",
                      result.converged ? "Converged" : "Not converged", result.reason, result.residual, freedom);
 }
 
+// The digits of a value down to the second one of its error, some that are right where there is none.
+int digits_beside(double value, double error) {
+  constexpr int few = 6, most = 12;
+  if (!std::isfinite(error) || !(error > 0.0) || value == 0.0) return few;
+  const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 2.0;
+  return static_cast<int>(std::clamp(digits, 1.0, double{most}));
+}
+
 Table estimates(const Scene& scene, const FitResult& result, const NumberText& number) {
-  Table table{{"parameter", "estimate", "standard deviation"}, 1, {}};
+  Table table{{"parameter", "estimate", "half width, 95 %", "standard deviation"}, 1, {}};
   for (const Estimate& one : result.parameters) {
     const UnitPowers unit = unit_of_key(one.key, scene).value_or(UnitPowers{});
-    table.rows.push_back({one.key, number(one.estimate, unit, 8),
-                          std::isfinite(one.standard_deviation) ? number(one.standard_deviation, unit, 2)
-                          : one.at_bound                        ? "at its bound"
-                                                                : "not determined"});
+    const double half_width = deviations_of_95(result) * one.standard_deviation;
+    const auto of_error = [&](double error) {
+      return std::isfinite(error) ? number(error, unit, 2) : one.at_bound ? "at its bound" : "not determined";
+    };
+    table.rows.push_back({one.key, number(one.estimate, unit, digits_beside(one.estimate, half_width)),
+                          of_error(half_width), of_error(one.standard_deviation)});
   }
   return table;
 }

@@ -11,6 +11,7 @@
 #include "case/method_table.hpp"
 #include "case/scene_numbers.hpp"
 #include "input/described_scene.hpp"
+#include "input/scene_entries.hpp"
 #include "input/scene_keys.hpp"
 #include "report/measured.hpp"
 #include "studies/column_reader.hpp"
@@ -46,6 +47,12 @@ FittedParameter parameter_of(const SceneFile& scene, const std::string& key) {
   std::vector<Member> chain = scene.run.scene.chain;
   SceneValue own;  // of one of several bars, which does not say what it has anyway
   if (const double* number = value ? nullptr : number_of(chain, key)) value = &(own = *number);
+  if (!find_scene_key(key)) {
+    const std::string_view table = table_of(key);
+    throw std::invalid_argument(
+        fmt::format("--parameters: {}: {}", key,
+                    unknown_key(table, std::string_view(key).substr(table.empty() ? 0 : table.size() + 1))));
+  }
   if (!value || !(std::holds_alternative<double>(*value) || std::holds_alternative<std::int64_t>(*value)))
     throw std::invalid_argument(fmt::format("--parameters: the scene gives no number for {}, to begin with", key));
   FittedParameter parameter;
@@ -69,8 +76,7 @@ void doubt(FitStudy& study, const TraceFile& table) {
 }
 
 void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
-  const std::vector<std::string> known = names_of_traces();
-  const TraceFile table = read_measured(scene, file, known, {"t"});
+  const TraceFile table = read_measured(scene, file, names_of_traces(), {"t"});
   doubt(study, table);
   study.times = table.column("t")->values;
   for (const TraceFile::Column& found : table.columns) {
@@ -84,9 +90,6 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file)
   }
   std::ranges::stable_sort(study.traces, {}, &MeasuredTrace::column);
   study.understood.push_back(table.understood);
-  if (study.traces.empty())
-    throw std::invalid_argument(fmt::format("{}: has no column of values beside t; known are {}", file,
-                                            fmt::join(known.begin() + 1, known.end(), ", ")));
 }
 
 void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {

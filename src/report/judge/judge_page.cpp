@@ -137,7 +137,7 @@ std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& j
         "The order is that of the largest difference of displacements, and of the mean of all else, which jumps");
   const Case& run = judgement.run;
   all.push_back(fmt::format(
-      "Ours is by {} on {} elements; its displacements are right to {}; no better one was made, for {}",
+      "Our solution is by {} on {} elements, and the error of its displacements is {}. No finer one was computed: {}",
       name(run.method), run.elements, number(judgement.estimate.total, Dimension::length), judgement.reason));
   return all;
 }

@@ -164,8 +164,8 @@ std::string verdict_reason(const LimitStudy& study, const LimitResult& result, s
   if (!rows.empty() && !evidence.until) {
     const LimitRow &first = rows.front(), &last = rows.back();
     reason += fmt::format(
-        "; the difference to the scheme {} {} at epsilon = {}, and {} of it at most is that of epsilon, {} that of the "
-        "scheme's step {}{}",
+        "; the difference to the scheme {} {} at epsilon = {}, of which epsilon makes {} at most and the scheme makes {} by "
+        "its step {}{}",
         orders.verdict == Verdict::plateau
             ? "stays near"
             : fmt::format("goes from {} at epsilon = {} to", length(first.difference_to_scheme), penalty(first)),
@@ -176,8 +176,9 @@ std::string verdict_reason(const LimitStudy& study, const LimitResult& result, s
       reason += fmt::format("; contact changes go from {} to {}, the scheme has {}", first.events, last.events,
                             orders.scheme_events);
     if (evidence.stake)
-      reason += fmt::format("; {} puts {} at stake", evidence.by_law ? "another law of impact" : "contact itself",
-                            length(*evidence.stake));
+      reason +=
+          fmt::format("; {} the motion would differ by {}",
+                      evidence.by_law ? "with another law of impact" : "without contact", length(*evidence.stake));
   }
   const auto finer = [&](const LimitOrders& other) {
     return other.verdict == Verdict::plateau && other.elements > orders.elements;

@@ -149,11 +149,6 @@ Dimension dimension_of(Goal goal) {
   }
 }
 
-std::string verdict(const ErrorEstimate& estimate) {
-  if (!estimate.requested) return "";
-  return fmt::format("; {:.2g} asked for: {}", *estimate.requested, estimate.kept ? "kept" : "not kept");
-}
-
 std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
   Numbers all;
   const auto with = [&](double value, int digits = 2) {
@@ -174,11 +169,17 @@ std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate) {
-  std::vector<std::pair<std::string, std::string>> rows;
-  rows.emplace_back("error, estimated", fmt::format("{:.2g} {} (space {:.2g}, penalty {:.2g}, time {:.2g}){}",
-                                                    estimate.total, of_words(estimate.of), estimate.space,
-                                                    estimate.penalty, estimate.time, verdict(estimate)));
+std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate) {
+  const auto with = [&](double value) {
+    return NumberText(NumberText::For::terminal, scene)(value, dimension_of(estimate.of), 2);
+  };
+  const std::string_view what = of_words(estimate.of).substr(std::string_view("of ").size());
+  std::string text = fmt::format("{} in {}", with(estimate.total), what);
+  if (estimate.largest > 0.0) text += " up to " + with(estimate.largest);
+  text += fmt::format(" (space {:.2g}, penalty {:.2g}, time {:.2g})", estimate.space, estimate.penalty, estimate.time);
+  if (estimate.requested)
+    text += fmt::format("; {} asked for: {}", with(*estimate.requested), estimate.kept ? "kept" : "not kept");
+  std::vector<std::pair<std::string, std::string>> rows = {{"error, estimated", text}};
   for (const std::string& reason : estimate.reasons) rows.emplace_back("", reason);
   return rows;
 }

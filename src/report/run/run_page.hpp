@@ -19,7 +19,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
 void tell_whole_run(Page& page, double wall_seconds);
 
 /// The estimate of a run's error as rows of a terminal's table, name and value.
-std::vector<std::pair<std::string, std::string>> estimate_rows(const ErrorEstimate& estimate);
+std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate);
 
 struct FieldColours {
   plot::ColourMap map;

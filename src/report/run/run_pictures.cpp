@@ -275,7 +275,7 @@ Picture energies(const Case& run, const ReportData& data) {
   lines.back().style = {"var(--ink)", true, 1.6};  // the total
   const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
-          fmt::format("{} The total and what was dissipated grow by the work that is done on the bar alone.{}",
+          fmt::format("{} The sum of the total and the dissipated energy changes by the work done on the bar only.{}",
                       data.has_springs() ? "Energy of the bar and that stored in the springs of the contacts."
                                          : "Kinetic and elastic energy of the bar.",
                       run.files.energy ? " energy.csv has the numbers." : ""),

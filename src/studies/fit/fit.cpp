@@ -297,6 +297,9 @@ void check(const FitStudy& study) {
   require(study.change_deviation > 0.0, "the deviation of the contact times is not positive");
   require(std::ranges::is_sorted(study.times) && (study.times.empty() || study.times.front() >= 0.0),
           "the times must not fall, and begin at 0 or later");
+  const auto after_start = [](const Event& change) { return change.time > 0.0; };
+  require((!study.times.empty() && study.times.back() > 0.0) || std::ranges::any_of(study.changes, after_start),
+          "the data have no time after 0");
   require(!study.changes.empty() || std::ranges::any_of(study.traces,
                                                         [](const MeasuredTrace& trace) {
                                                           return std::ranges::any_of(trace.values, [](double value) {

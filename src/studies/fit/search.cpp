@@ -122,7 +122,6 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (times.empty() || times.front() > 0.0) times.insert(times.begin(), 0.0);
   if (times.back() < end) times.push_back(end);
-  if (times.size() < 2) throw std::invalid_argument("fit: the data have no time after 0");
 
   const Setup setup = resolve(run);
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
@@ -335,7 +334,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
     const double deviations = std::sqrt((jacobian * moved).squaredNorm() / std::max(variance, 1e-300));
     const bool still = ((moved.array().abs() <= rounding_step * now.at.array().abs().max(1e-300)).all());
     if ((damping <= 1.0 && deviations < small_step) || still)
-      return converged("a step would change less than the data tell");
+      return converged("the next step would change the model by less than the data can show");
     Misfit trial = at(next, compared);
     ++now.iterations;
     const double predicted = now.misfit.sum() - (now.misfit.residual + jacobian * moved).squaredNorm();

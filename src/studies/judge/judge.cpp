@@ -317,7 +317,7 @@ JudgeResult judge(const JudgeStudy& study) {
       judge_energy(judged, theirs, scene);
     }
     if (settled) {
-      judgement.reason = "our own error is a tenth of every difference, or does not fall";
+      judgement.reason = "its error is a tenth of every difference, or falls no more";
       break;
     }
     coarser = std::move(motion);
