@@ -154,7 +154,7 @@ constexpr SceneKey member_rows[] = {
     {"bar.mass", number, optional, "", "2.0", "density x length x area", "mass of a rigid body, which has no length: a ram, a bit, a cap", positive},
     {"bar.density", number, optional, "1.0", "", "density", "rho", positive},
     {"bar.modulus", number, optional, "1.0", "", "stress", "E", positive},
-    {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta", not_negative},
+    {"bar.viscosity", number, optional, "0.0", "0.01", "stress x time", "eta, the paper's alpha; 0 means that no damping term exists", not_negative},
     {"bar.section", formula, optional, "", "\"(2 - x)^2\"", "area", "A(x) > 0, x from the left end of this bar; absent: 1", positive, {}, "x"},
     {"bar.displacement", formula, optional, "", "0.0", "length", "u_0, x from the left end of this bar; absent: initial.displacement, x from that of the chain", {}, {}, "x"},
     {"bar.velocity", formula, optional, "", "1.0", "length / time", "u_1 likewise; absent: initial.velocity", {}, {}, "x"},

@@ -120,11 +120,16 @@ Table vocabulary_table(Vocabulary vocabulary) {
       break;
     case Vocabulary::keys:
       table.header = {"key", "type", "default", "unit", "meaning"};
+      // Keys of which the same is said have one row: those of the two ends, of [bar] and each [[bar]].
       for (const SceneKey* key : listed_keys()) {
-        const bool of_either_end = key->leaf() != "kind" && (key->table() == "left" || key->table() == "right");
-        if (of_either_end && key->table() == "right") continue;
-        add(of_either_end ? fmt::format("left.{0}`, `right.{0}", key->leaf()) : listed_name(*key),
-            {type_words(*key), default_words(*key), key->unit, key->meaning});
+        const std::string cells[] = {type_words(*key), default_words(*key), std::string(key->unit),
+                                     std::string(key->meaning)};
+        const auto same = std::ranges::find_if(
+            table.rows, [&](const auto& row) { return std::equal(row.begin() + 1, row.end(), std::begin(cells)); });
+        if (same != table.rows.end())
+          same->front() += ", " + code(listed_name(*key));
+        else
+          add(listed_name(*key), {cells[0], cells[1], cells[2], cells[3]});
       }
       break;
   }

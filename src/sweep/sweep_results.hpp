@@ -25,7 +25,7 @@ class SweepResults {
  public:
   /// Goes on with the rows that the directory has of the same sweep, or begins.
   /// Faults of files there that are not in the way go to `complain`.
-  /// @throws std::invalid_argument when the directory has other files, or another sweep
+  /// @throws std::invalid_argument when the directory has another sweep, or files and no result
   /// @throws IoError
   SweepResults(const std::filesystem::path& directory, const SweepFile& sweep,
                const std::function<void(const std::string&)>& complain = {});

@@ -62,6 +62,7 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
     EXPECT_NE(wrong.find(words), std::string::npos) << words << "\n" << wrong;
   says(pair, "bar.length: says not which of 2 bars", {"bar.length=2"});
   says(pair, "bar.5: there are 2 tables [[bar]]", {"bar.5.modulus=4"});
+  says(pair, "bar.3: there are 2 tables [[bar]]", {"bar.3.modulus=4"});
   const auto by_waves = [](std::vector<std::string> settings) {
     settings.insert(settings.end(), {"method.name=characteristics", "bar.2.viscosity=0"});
     return settings;

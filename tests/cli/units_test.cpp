@@ -71,5 +71,53 @@ TEST_F(UnitsOfPages, AreAtEachHeadAndAxisAndNumbersHaveOneNotation) {
   }
 }
 
+class UnitsOfTerminal : public testing_cli::Command {
+ protected:
+  UnitsOfTerminal() {
+    std::ofstream(directory_ / "bars.toml")
+        << "[units]\nlength = \"m\"\ntime = \"s\"\nstress = \"Pa\"\nmass = \"kg\"\n"
+           "[[bar]]\nlength = 1.0\ndensity = 7850.0\nmodulus = 210e9\nvelocity = 1.0\nviscosity = 2e5\n"
+           "[[bar]]\nlength = 1.0\ndensity = 7850.0\nmodulus = 210e9\nvelocity = 0.0\nviscosity = 2e5\n"
+           "[[joint]]\nkind = \"contact\"\ngap = 1e-4\n[time]\nend = 8e-4\n[mesh]\nelements = 40\n";
+  }
+  static void has(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+};
+
+TEST_F(UnitsOfTerminal, StandBehindTheNumbersOfARunAndACheckAndJointsAreToldAsEnds) {
+  const std::string run = viscobar("run bars.toml -o out").out, check = viscobar("check bars.toml").out;
+  has(run, "  energy               3925 Pa m to ");
+  has(run, "  joint 1              1 closing, in contact for 0.0003");
+  has(run, " m in displacements up to 0.000");
+  has(check,
+      "bar of L = 1 m, rho = 7850 kg/m^3, E = 2.1e+11 Pa, eta = 200000 Pa s, then contact over a gap of 0.0001 m");
+  has(check, " at t = 0.0001 s, speed 1 m/s");
+}
+
+TEST_F(UnitsOfTerminal, AFitHasHalfWidthsAndAsManyDigitsAsTheyLeave) {
+  ASSERT_EQ(viscobar("run bars.toml -o out --quiet").code, 0);
+  const auto fitted = viscobar(
+      "fit bars.toml --data out/joints.csv --parameters bar.2.modulus --set bar.2.modulus=2e11 "
+      "--deviation u_right:1=1e-5 -o fit");
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  has(fitted.out, "half width, 95 %");
+  const std::regex row(R"(bar\.2\.modulus +([0-9.]+)e\+11 Pa +([0-9.]+)e\+([0-9]+) Pa )");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(fitted.out, found, row)) << fitted.out;
+  const auto digits = [](std::string number) {
+    return static_cast<int>(std::erase(number, '.') == 0 ? 1 : number.size());
+  };
+  EXPECT_LE(digits(found[1]), 11 - std::stoi(found[3]) + 2) << "an estimate tells no more than its error leaves";
+}
+
+TEST_F(UnitsOfTerminal, StrainsThatAreNotSmallAreWarnedOf) {
+  EXPECT_EQ(viscobar("check bars.toml").error, "");
+  const std::string fast = "bars.toml --set bar.1.velocity=5000 ";
+  has(viscobar("check " + fast).error, "warning: strains: the data make strains of about 0.");
+  has(viscobar("run " + fast + "-o fast").error, "warning: strains: the data make strains of about 0.");
+  EXPECT_EQ(viscobar("check " + fast + "--set units.length=").error.find("strains:"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -107,6 +107,22 @@ TEST_F(SweepFileTest, ARangeByCountIsEvenOrGeometricAndHasBothEnds) {
   EXPECT_EQ(log.back(), 16.0);
 }
 
+TEST_F(SweepFileTest, ARangeByCountOfRoundNumbersHasRoundNumbers) {
+  const auto expect = [&](const std::string& range, std::vector<double> round) {
+    EXPECT_EQ(values<double>("left.gap", range), round) << range;
+  };
+  std::vector<double> gaps, through_zero;
+  for (int k = 0; k <= 14; ++k) gaps.push_back(std::strtod(fmt::format("{}e-6", 5 * k).c_str(), nullptr));
+  for (int k = -10; k <= 10; ++k) through_zero.push_back(std::strtod(fmt::format("{}e-1", k).c_str(), nullptr));
+  expect("{ from = 0, to = 7e-5, count = 15 }", gaps);
+  expect("{ from = 0.1, to = 0.7, count = 7 }", {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7});
+  expect("{ from = 1e-4, to = 1e-1, count = 4, spacing = \"log\" }", {1e-4, 1e-3, 1e-2, 1e-1});
+  const auto symmetric = values<double>("left.force", "{ from = -1, to = 1, count = 21 }");
+  EXPECT_EQ(symmetric, through_zero);
+  // A third is no round number, and keeps its digits.
+  EXPECT_NEAR(values<double>("left.gap", "{ from = 0, to = 1, count = 4 }")[1], 1.0 / 3.0, 1e-16);
+}
+
 TEST_F(SweepFileTest, ARangeMayEndBelowTheNormalNumbers) {
   EXPECT_EQ(values<double>("bar.viscosity", "{ from = 1.01e-308, to = 1e-310, per_decade = 1 }"),
             (std::vector{1.01e-308, 1.01e-309, 1.01e-310}));
