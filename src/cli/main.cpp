@@ -151,10 +151,12 @@ void check_values(const CLI::App& command, int argc, char** argv) {
       refuse("{}: is given no value", taker->get_name());
 }
 
-/// True of a command that does not list the options of all: making those takes as long as a small run.
-bool needs_no_other(std::string_view word) {
-  return word != "help" && std::ranges::any_of(commands, [&](const auto& command) { return command.name == word; });
+bool is_command(std::string_view word) {
+  return std::ranges::any_of(commands, [&](const auto& command) { return command.name == word; });
 }
+
+/// True of a command that does not list the options of all: making those takes as long as a small run.
+bool needs_no_other(std::string_view word) { return word != "help" && is_command(word); }
 
 int run(int argc, char** argv) {
   CLI::App app("Motion of a viscoelastic bar against rigid obstacles", "viscobar");
@@ -177,7 +179,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool known = called.empty() || called.starts_with('-') || app.get_subcommand_no_throw(std::string(called));
+    const bool known = called.empty() || called.starts_with('-') || is_command(called);
     if (error.get_exit_code() == success && known) {
       std::ostringstream text;
       app.exit(error, text);

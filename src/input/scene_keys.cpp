@@ -292,18 +292,6 @@ std::span<const SceneKey> member_keys() {
   return keys;
 }
 
-std::string listed_name(const SceneKey& key) {
-  const bool of_member = std::ranges::any_of(member_keys(), [&](const SceneKey& one) { return &one == &key; });
-  return of_member ? fmt::format("{}.K.{}", key.table(), key.leaf()) : std::string(key.name);
-}
-
-std::vector<const SceneKey*> listed_keys() {
-  std::vector<const SceneKey*> all;
-  for (const auto keys : {scene_keys(), member_keys()})
-    for (const SceneKey& key : keys) all.push_back(&key);
-  return all;
-}
-
 bool is_member_table(std::string_view name) {
   const std::size_t dot = name.find('.');
   const std::string_view number = dot == name.npos ? std::string_view{} : name.substr(dot + 1);

@@ -96,6 +96,18 @@ std::string comment(std::string_view text) {
 
 }  // namespace
 
+std::string listed_name(const SceneKey& key) {
+  const bool of_member = std::ranges::any_of(member_keys(), [&](const SceneKey& one) { return &one == &key; });
+  return of_member ? fmt::format("{}.K.{}", key.table(), key.leaf()) : std::string(key.name);
+}
+
+std::vector<const SceneKey*> listed_keys() {
+  std::vector<const SceneKey*> all;
+  for (const auto keys : {scene_keys(), member_keys()})
+    for (const SceneKey& key : keys) all.push_back(&key);
+  return all;
+}
+
 std::string_view name(Vocabulary vocabulary) {
   constexpr std::string_view names[] = {"methods", "masses", "keys"};
   return names[static_cast<std::size_t>(vocabulary)];

@@ -1,4 +1,4 @@
-"""Instructions of six kinds of job, whole processes: told in docs/internals/design.md, "Six jobs".
+"""Instructions of six kinds of job, whole processes.
 
 python3 tests/measurements/job_instructions.py PROGRAM [PROGRAM BEFORE]
 
