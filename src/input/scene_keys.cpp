@@ -370,7 +370,11 @@ std::optional<std::string_view> meant_name(std::string_view word, std::span<cons
   const std::string_view usual = usual_name(word);
   if (const auto found = std::ranges::find(candidates, usual); found != candidates.end()) return *found;
   const auto nearest = nearest_name(word, candidates);
-  return nearest ? nearest : nearest_name(usual, candidates);
+  if (nearest) return nearest;
+  // The beginning of one alone.
+  const auto begun = [&](std::string_view candidate) { return word.size() > 2 && candidate.starts_with(word); };
+  if (std::ranges::count_if(candidates, begun) == 1) return *std::ranges::find_if(candidates, begun);
+  return nearest_name(usual, candidates);
 }
 
 const SceneKey* nearest_scene_key(std::string_view table, std::string_view leaf,

@@ -93,7 +93,7 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
                         const std::vector<std::string>& required, const std::vector<std::string>& words) {
   TraceFile table = read_traces(file, known, required, words);
   if (table.columns.size() == 1)
-    throw std::invalid_argument(fmt::format("{}: has no known column beside t; known are {}", file,
+    throw std::invalid_argument(fmt::format("{}: has no column of values beside t; known are {}", file,
                                             fmt::join(known.begin() + 1, known.end(), ", ")));
   TraceFile::Column& t = *table.column("t");
   convert(table, t, scene.run.scene.units.time, file);
@@ -102,6 +102,7 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
       convert(table, column, unit_name(scene.run.scene.units, unit_of(trace->first)), file);
   constexpr double far = 100.0;
   const double last = t.values.back(), end = scene.run.end;
+  if (last == 0.0 && !table.column("where")) throw std::invalid_argument(file + ": has no time after 0");
   // The last contact may be early.
   if (last > far * end || (last > 0.0 && far * last < end && !table.column("where")))
     throw std::invalid_argument(fmt::format(

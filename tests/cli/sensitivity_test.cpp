@@ -196,7 +196,7 @@ TEST_F(Sensitivity, OfAFitSaysHowItReadItsDataAndFindsCodesOfMissingValues) {
   ASSERT_EQ(json["data"].size(), 1u);
   const std::string read = json["data"][0];
   for (const char* part : {"151 rows, t [ms] from 0 to 3000", "of u_left [mm]", "semicolons", "decimal commas",
-                           "1 lines of comments", "columns temperature left out"})
+                           "1 line of comments", "columns temperature left out"})
     EXPECT_NE(read.find(part), std::string::npos) << part << "\n" << read;
   ASSERT_EQ(json["warnings"].size(), 1u);
   EXPECT_NE(json["warnings"][0].get<std::string>().find("of u_left are -9999"), std::string::npos);

@@ -17,6 +17,7 @@ class MalformedCommandLines : public testing_cli::Command {
         << "[bar]\nlength = 1\n[initial]\ndisplacement = 0\nvelocity = 1\n[time]\nend = 1\n[mesh]\nelements = 4\n";
     std::ofstream(directory_ / "broken.toml") << "[bar\n";
     std::ofstream(directory_ / "at-zero.csv") << "t,u_left\n0,0\n";
+    std::ofstream(directory_ / "sound.csv") << "t,u_left\n0,0\n1,0\n";
     std::ofstream(directory_ / "unknown.csv") << "time;u\n0;0\n1;0\n";
     fs::create_directory(directory_ / "mine");
     std::ofstream(directory_ / "mine/letter.txt") << "precious";
