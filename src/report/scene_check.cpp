@@ -136,7 +136,7 @@ std::string contact_kind(const Setup& setup) {
   std::string stops;
   for (const SceneEnd& end : ends_of(run.scene))
     if (const auto& stop = end.input.stop) {
-      // Of Hertz' law a force is k d^(3/2), and lambda multiplies it.
+      // By Hertz' law a force is k d^(3/2), and lambda multiplies it.
       const bool linear = stop->linear();
       const UnitPowers stiffness{linear ? -1.0 : -1.5, 0, 1, 1};
       const UnitPowers damping = unit_powers(linear ? "force x time / length" : "time / length").value();
