@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "input/unit_of_key.hpp"
+#include "report/number_text.hpp"
 #include "report/scene_check.hpp"
 #include "report/scene_ends.hpp"
 #include "results/file_set.hpp"
@@ -22,19 +24,26 @@ extern const std::string_view style, script;  // src/report/web
 
 namespace {
 
-std::string end_text(EndCondition end, const EndInput& input) {
+/// The number of a key of a scene, with its unit.
+std::string value_text(const Scene& scene, const NumberText& number, std::string_view key, double value) {
+  return number(value, unit_of_key(key, scene).value_or(UnitPowers{}), 4);
+}
+
+std::string end_text(EndCondition end, const EndInput& input, const Scene& scene) {
   const EndKind& kind = end_kind(end);
+  const NumberText number(NumberText::For::page, scene);
+  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
   std::string text(kind.in_words);
-  for (const EndNumber& number : kind.numbers)
-    text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
+  for (const EndNumber& one : kind.numbers)
+    text += fmt::format(", {}\u00a0{}", one.key, number(one.of(end), unit_powers(one.unit).value_or(UnitPowers{}), 4));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
   if (input.force)
-    text += input.force->steady ? fmt::format(", force {}", readable(input.force->value(0.0))) : ", force F(t)";
+    text += input.force->steady ? fmt::format(", force {}", number(input.force->value(0.0), Dimension::force, 4)) : ", force F(t)";
   if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
-  if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", readable(input.stiffness));
-  if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", readable(input.dashpot));
+  if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", of_key("left.stiffness", input.stiffness));
+  if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", of_key("left.dashpot", input.dashpot));
   if (input.stop) text += fmt::format(", a stop by {}", name(input.stop->law));
-  if (input.mass > 0.0) text += fmt::format(", mass {}", readable(input.mass));
+  if (input.mass > 0.0) text += fmt::format(", mass {}", of_key("left.mass", input.mass));
   return text;
 }
 
@@ -56,10 +65,14 @@ FileChecksums checksums_of(const std::string& file, const PicturedPage& page) {
 
 std::string model_html(const Scene& scene) {
   const Bar& bar = scene.bar;
+  const NumberText number(NumberText::For::page, scene);
+  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
+  const std::string left = end_text(scene.left, scene.left_input, scene),
+                    right = end_text(scene.right, scene.right_input, scene),
+                    length = number(bar.length, Dimension::length, 4);
   if (!scene.chain.empty())
-    return fmt::format("{} in line, <i>L</i> = {}: {}. Left end {}; right end {}.", scene.chain.size(),
-                       readable(bar.length), fmt::format("{}", fmt::join(member_texts(scene), "; ")),
-                       end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
+    return fmt::format("{} in line, <i>L</i> = {}: {}. Left end {}; right end {}.", scene.chain.size(), length,
+                       fmt::format("{}", fmt::join(member_texts(scene, NumberText::For::page), "; ")), left, right);
   const bool damped = bar.viscosity > 0.0;
   std::string load = "0";
   if (scene.load)
@@ -77,13 +90,13 @@ std::string model_html(const Scene& scene) {
       "{}<i>ρ u<sub>tt</sub></i> − {}{}{} = {}{} on 0 &lt; <i>x</i> &lt; {}, with {}<i>ρ</i> = {}, <i>E</i> = {}{}. "
       "Left end {}; right end {}",
       area, stress, side(scene.side && scene.side->stiffness, "k u"),
-      side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, readable(bar.length),
-      varies ? "a section " + section_text(scene) + ", " : "", readable(bar.density), readable(bar.modulus),
-      damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left, scene.left_input),
-      end_text(scene.right, scene.right_input));
+      side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, length,
+      varies ? "a section " + section_text(scene) + ", " : "", of_key("bar.density", bar.density),
+      of_key("bar.modulus", bar.modulus), damped ? ", <i>η</i> = " + of_key("bar.viscosity", bar.viscosity) : "", left,
+      right);
   for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
-                        level.above ? "≤" : "≥", readable(level.u));
+                        level.above ? "≤" : "≥", number(level.u, Dimension::length, 4));
   return text + ".";
 }
 
@@ -95,8 +108,8 @@ void Numbers::add(std::string_view name, const std::string& value, std::string_v
 
 void Numbers::add(std::string_view name, std::size_t value) { add(name, grouped(value)); }
 
-std::string Numbers::html(std::string_view heading) const {
-  return fmt::format("<section><h2>{}</h2>\n<dl>\n{}</dl></section>\n", heading, html_);
+std::string Numbers::html(std::string_view heading, std::string_view below) const {
+  return section_html(heading, joined({"<dl>\n", html_, "</dl>", below}));
 }
 
 std::string section_html(std::string_view heading, std::string_view content) {

@@ -30,7 +30,8 @@ class Numbers {
  public:
   void add(std::string_view name, const std::string& value, std::string_view remark = {});
   void add(std::string_view name, std::size_t value);
-  std::string html(std::string_view heading) const;
+  /// A card of them, with what follows them in it.
+  std::string html(std::string_view heading, std::string_view below = {}) const;
 
  private:
   std::string html_;

@@ -69,18 +69,30 @@ std::string range_along(const Scene& scene, const SpaceFunction& f, auto&& of) {
 
 }  // namespace
 
-std::vector<std::string> member_texts(const Scene& scene) {
+std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader) {
+  const bool on_page = reader == NumberText::For::page;
+  const NumberText number(reader, scene);
+  const auto told = [&](double value, std::string_view unit) {
+    return on_page ? number(value, *unit_powers(unit), 4) : fmt::format("{}", value);
+  };
+  const auto symbol = [&](const char* plain, const char* letter) {
+    return on_page ? fmt::format("<i>{}</i>", letter) : std::string(plain);
+  };
   std::vector<std::string> lines;
   for (const Member& member : scene.chain) {
     const Bar& bar = member.bar;
-    std::string text = fmt::format("rigid body of mass {}", member.mass);
+    std::string text = "rigid body of mass " + told(member.mass, "density x length x area");
     if (!member.rigid())
-      text = fmt::format("bar of L = {}, rho = {}, E = {}, eta = {}{}", bar.length, bar.density, bar.modulus,
-                         bar.viscosity, member.section ? ", of varying section" : "");
+      text = fmt::format("bar of {} = {}, {} = {}, {} = {}, {} = {}{}", symbol("L", "L"),
+                         told(bar.length, "length"), symbol("rho", "ρ"), told(bar.density, "density"),
+                         symbol("E", "E"), told(bar.modulus, "stress"), symbol("eta", "η"),
+                         told(bar.viscosity, "stress x time"), member.section ? ", of varying section" : "");
     const Joint& joint = member.joint;
     if (&member != &scene.chain.back()) text += fmt::format(", then {}", name(joint.kind));
-    if (joint.kind == JointKind::contact) text += fmt::format(" over a gap of {}", joint.gap);
-    if (joint.kind == JointKind::spring) text += fmt::format(" of k = {}, c = {}", joint.stiffness, joint.damping);
+    if (joint.kind == JointKind::contact) text += " over a gap of " + told(joint.gap, "length");
+    if (joint.kind == JointKind::spring)
+      text += fmt::format(" of {} = {}, {} = {}", symbol("k", "k"), told(joint.stiffness, "force / length"),
+                          symbol("c", "c"), told(joint.damping, "force x time / length"));
     lines.push_back(std::move(text));
   }
   return lines;

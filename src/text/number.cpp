@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace viscobar {
 
@@ -64,6 +65,15 @@ std::string readable(double value, int digits) {
   const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
   if (mantissa == "1") return power;
   return with_true_minus(mantissa) + "\u2009×\u2009" + power;
+}
+
+double above_rounding(double value, double size) {
+  constexpr double roundings = 16.0 * std::numeric_limits<double>::epsilon();
+  return std::abs(value) <= roundings * size ? 0.0 : value;
+}
+
+std::string counted(std::size_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
 std::string with_readable_numbers(std::string_view sentence) {

@@ -24,6 +24,12 @@ void append_thousandths(std::string& text, double value);
 /// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);
 
+/// 0 for a value that is rounding beside numbers of that size.
+double above_rounding(double value, double size);
+
+/// "1 closing", "2 closings"
+std::string counted(std::size_t count, std::string_view thing);
+
 /// A sentence whose numbers, such as 1.2e-05, are written as readable() writes them.
 std::string with_readable_numbers(std::string_view sentence);
 

@@ -10,9 +10,21 @@ namespace viscobar {
 
 ThinnedField::ThinnedField(const Mesh& mesh, At at) : node_stride_((mesh.elements + most - 1) / most) {
   const bool nodal = at == At::nodes;
-  const std::size_t last = nodal ? mesh.elements : mesh.elements - 1;
-  for (std::size_t j = 0; j < last; j += node_stride_) nodes_.push_back(j);
-  nodes_.push_back(last);
+  // A node that bonded members share is kept once, and no element of a joint, which has no length.
+  const auto keep = [&](std::size_t first, std::size_t last) {
+    if (!nodal && first == last) return parts_.push_back({nodes_.size(), 0});
+    if (!nodal) --last;
+    const std::size_t shared = !nodes_.empty() && nodes_.back() == first ? 1 : 0, begin = nodes_.size() - shared;
+    for (std::size_t j = first + shared * node_stride_; j < last; j += node_stride_) nodes_.push_back(j);
+    if (begin == nodes_.size() || nodes_.back() != last) nodes_.push_back(last);
+    parts_.push_back({begin, nodes_.size() - begin});
+  };
+  if (!mesh.members) keep(0, mesh.elements);
+  for (std::size_t m = 0, first = 0; mesh.members && m < mesh.members->size(); ++m) {
+    const std::size_t last = first + (*mesh.members)[m].elements;
+    keep(first, last);
+    first = last + (last < mesh.elements && mesh.element(last) == 0.0 ? 1 : 0);
+  }
   for (const std::size_t j : nodes_) x_.push_back(nodal ? mesh.node(j) : 0.5 * (mesh.node(j) + mesh.node(j + 1)));
   last_.values.resize(nodes_.size());
 }
@@ -88,7 +100,7 @@ void ReportData::add(const Snapshot& at) {
   span.reaction.add({at.time, at.reaction_span});
   for (std::size_t k = 0; k < std::min(joints.size(), at.joint_forces.size()); ++k) {
     const double force = at.joint_forces[k];
-    if (snapshots == 0 && force != 0.0) joints[k].closed_since = at.time;
+    if (snapshots == 0 && force != 0.0 && system_.joints()[k].contact) joints[k].closed_since = at.time;
     joints[k].reaction.add({at.time, force});
   }
   ++snapshots;
