@@ -18,6 +18,7 @@
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
+#include "text/number.hpp"
 #include "viscobar/record/record_run.hpp"
 
 namespace viscobar::cli {
@@ -54,8 +55,16 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
       tell(begun->second, &event), closed.erase(begun);
   }
   for (const auto& [where, lasting] : closed) tell(lasting, nullptr);
-  if (more > 0) text += row("", "and {} more contacts", more);
+  if (more > 0) text += row("", "and {} more contact{}", more, more == 1 ? "" : "s");
   return text;
+}
+
+/// Of the ends.
+double largest_displacement(const RunAccount& account) {
+  double size = 0.0;
+  for (const EndAccount* end : {&account.left, &account.right})
+    if (end->lowest <= end->highest) size = std::max({size, std::abs(end->lowest), std::abs(end->highest)});
+  return size;
 }
 
 std::string table(const Case& run, const Outcome& outcome, const std::vector<Event>& events,
@@ -71,8 +80,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
   if (const auto& statistics = outcome.statistics) {
     text += row("evaluations", "{}", statistics->rhs_evaluations);
     text += row("linear solves", "{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations);
-    if (statistics->max_penetration > 0.0)
-      text += row("largest penetration", with_unit(statistics->max_penetration, run.scene, Dimension::length));
+    const double size = statistics->account ? largest_displacement(*statistics->account) : 0.0;
+    if (const double depth = above_rounding(statistics->max_penetration, size); depth > 0.0)
+      text += row("largest penetration", with_unit(depth, run.scene, Dimension::length));
     if (const auto& energy = statistics->energy) {
       const std::string end_rows =
           energy->end_inertia == 0.0 ? "" : fmt::format(" ({:.3g} of it by the mass's end rows)", energy->end_inertia);
@@ -80,22 +90,24 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
                   energy->final, energy->dissipated, end_rows, energy->work, energy->balance_error());
     }
     if (const auto& account = statistics->account) {
-      const auto contact = [&](const char* where, bool there, const char* closings, const auto& obstacle) {
+      const auto contact = [&](const char* where, bool there, const char* of_what, const auto& obstacle) {
         if (there)
-          text += row(where, "{} {}, in contact for {}, impulse {}, peak reaction {}", obstacle.closings, closings,
-                      with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
-                      with_unit(obstacle.impulse, run.scene, Dimension::impulse),
-                      with_unit(obstacle.peak_reaction, run.scene, Dimension::force));
+          text +=
+              row(where, "{}{}, in contact for {}, impulse {}, peak reaction {}", counted(obstacle.closings, "closing"),
+                  of_what, with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
+                  with_unit(obstacle.impulse, run.scene, Dimension::impulse),
+                  with_unit(obstacle.peak_reaction, run.scene, Dimension::force));
       };
-      contact("left obstacle", is_obstacle(run.scene.left), "closings", account->left);
-      contact("right obstacle", is_obstacle(run.scene.right), "closings", account->right);
-      contact("span obstacle", run.scene.span.has_value(), "closings of nodes", account->span);
+      contact("left obstacle", is_obstacle(run.scene.left), "", account->left);
+      contact("right obstacle", is_obstacle(run.scene.right), "", account->right);
+      contact("span obstacle", run.scene.span.has_value(), " of nodes", account->span);
       // A resumed run has not heard of those before.
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (!is_fixed(kind) && end.lowest <= end.highest)
-          text += row(where, "u from {} to {}", with_unit(end.lowest, run.scene, Dimension::length),
-                      with_unit(end.highest, run.scene, Dimension::length));
+          text +=
+              row(where, "u from {} to {}", with_unit(above_rounding(end.lowest, size), run.scene, Dimension::length),
+                  with_unit(above_rounding(end.highest, size), run.scene, Dimension::length));
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);

@@ -38,7 +38,8 @@ std::string end_text(EndCondition end, const EndInput& input, const Scene& scene
     text += fmt::format(", {}\u00a0{}", one.key, number(one.of(end), unit_powers(one.unit).value_or(UnitPowers{}), 4));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
   if (input.force)
-    text += input.force->steady ? fmt::format(", force {}", number(input.force->value(0.0), Dimension::force, 4)) : ", force F(t)";
+    text += input.force->steady ? fmt::format(", force {}", number(input.force->value(0.0), Dimension::force, 4))
+                                : ", force F(t)";
   if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
   if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", of_key("left.stiffness", input.stiffness));
   if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", of_key("left.dashpot", input.dashpot));
@@ -108,15 +109,35 @@ void Numbers::add(std::string_view name, const std::string& value, std::string_v
 
 void Numbers::add(std::string_view name, std::size_t value) { add(name, grouped(value)); }
 
-std::string Numbers::html(std::string_view heading, std::string_view below) const {
-  return section_html(heading, joined({"<dl>\n", html_, "</dl>", below}));
-}
+std::string Numbers::list() const { return joined({"<dl>\n", html_, "</dl>\n"}); }
+
+std::string Numbers::html(std::string_view heading) const { return section_html(heading, list()); }
 
 std::string section_html(std::string_view heading, std::string_view content) {
   return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
 }
 
-std::string sentence_html(std::string_view sentence) { return escaped(with_readable_numbers(sentence)); }
+std::string sentence_html(std::string_view sentence) {
+  const std::string text = escaped(with_readable_numbers(sentence));
+  std::string html;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t hat = std::min(text.find('^', at), text.size());
+    html.append(text, at, hat - at);
+    if (hat == text.size()) break;
+    // ^2.38, or ^(-1/2) without its brackets.
+    const bool bracketed = text.substr(hat + 1).starts_with('(');
+    const std::size_t from = hat + 1 + (bracketed ? 1 : 0);
+    std::size_t to = bracketed ? text.find(')', from) : text.find_first_not_of("0123456789.", from);
+    to = std::min(to, text.size());
+    while (!bracketed && to > from && text[to - 1] == '.') --to;
+    if (to == from)
+      html += '^';
+    else
+      html += fmt::format("<sup>{}</sup>", with_true_minus(text.substr(from, to - from)));
+    at = to + (bracketed && to < text.size() ? 1 : 0);
+  }
+  return html;
+}
 
 std::string notes_html(const std::vector<std::string>& sentences) {
   std::string html;

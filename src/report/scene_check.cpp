@@ -83,10 +83,10 @@ std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader
     const Bar& bar = member.bar;
     std::string text = "rigid body of mass " + told(member.mass, "density x length x area");
     if (!member.rigid())
-      text = fmt::format("bar of {} = {}, {} = {}, {} = {}, {} = {}{}", symbol("L", "L"),
-                         told(bar.length, "length"), symbol("rho", "ρ"), told(bar.density, "density"),
-                         symbol("E", "E"), told(bar.modulus, "stress"), symbol("eta", "η"),
-                         told(bar.viscosity, "stress x time"), member.section ? ", of varying section" : "");
+      text = fmt::format("bar of {} = {}, {} = {}, {} = {}, {} = {}{}", symbol("L", "L"), told(bar.length, "length"),
+                         symbol("rho", "ρ"), told(bar.density, "density"), symbol("E", "E"),
+                         told(bar.modulus, "stress"), symbol("eta", "η"), told(bar.viscosity, "stress x time"),
+                         member.section ? ", of varying section" : "");
     const Joint& joint = member.joint;
     if (&member != &scene.chain.back()) text += fmt::format(", then {}", name(joint.kind));
     if (joint.kind == JointKind::contact) text += " over a gap of " + told(joint.gap, "length");

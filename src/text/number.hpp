@@ -30,7 +30,8 @@ double above_rounding(double value, double size);
 /// "1 closing", "2 closings"
 std::string counted(std::size_t count, std::string_view thing);
 
-/// A sentence whose numbers, such as 1.2e-05, are written as readable() writes them.
+/// A sentence as pages write it: numbers such as 1.2e-05 by readable(), +- as one sign, epsilon, but in keys and
+/// options, as its letter.
 std::string with_readable_numbers(std::string_view sentence);
 
 std::string power_of_ten(int exponent);

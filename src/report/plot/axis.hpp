@@ -18,8 +18,8 @@ struct Axis {
   std::string label;
   double low = 0.0, high = 1.0;
   Scale scale = Scale::linear;
-  bool bare = false;      ///< without ticks; `low` may then be above `high`
-  std::string link = {};  ///< axes of the same name are moved, zoomed and pointed at together on a page
+  bool bare = false;                   ///< without ticks; `low` may then be above `high`
+  std::string link = {};               ///< axes of the same name are moved, zoomed and pointed at together on a page
   std::vector<std::string> rows = {};  ///< of a bare one from -1/2 up: what the values 0, 1, ... are, for the page
 
   /// Place of a value, 0 at `low` and 1 at `high`.

@@ -188,9 +188,9 @@ void Figure::marker_line(double x, const Style& style, std::string_view text) {
   if (text.empty()) return;
   // To the left of its line where the frame ends to the right.
   const bool leftwards = x_.position(x) > 0.5;
-  content_ += fmt::format(
-      "<text class=\"note fixed\" transform=\"translate({:.1f} {})\" x=\"{}\" y=\"15\"{}>{}</text>\n", place_x(x), top,
-      leftwards ? -5 : 5, leftwards ? " text-anchor=\"end\"" : "", escaped(text));
+  content_ +=
+      fmt::format("<text class=\"note fixed\" transform=\"translate({:.1f} {})\" x=\"{}\" y=\"15\"{}>{}</text>\n",
+                  place_x(x), top, leftwards ? -5 : 5, leftwards ? " text-anchor=\"end\"" : "", escaped(text));
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
@@ -232,9 +232,9 @@ void Figure::strip(double from, double to, double y, std::span<const ColourStop>
 }
 
 void Figure::block(double from, double to, double y) {
-  content_ += fmt::format(
-      "<rect class=\"solid rigid\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{}\"/>\n", place_x(from),
-      place_y(y) - strip_thickness / 2, place_x(to) - place_x(from), strip_thickness);
+  content_ +=
+      fmt::format("<rect class=\"solid rigid\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{}\"/>\n",
+                  place_x(from), place_y(y) - strip_thickness / 2, place_x(to) - place_x(from), strip_thickness);
 }
 
 void Figure::joint(double at, double y) {
@@ -297,8 +297,8 @@ std::string Figure::svg(std::string_view title) const {
                           "<text class=\"axis\" x=\"{2}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n"
                           "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{5}\" y=\"16\" "
                           "text-anchor=\"middle\"{7}>{6}</text>\n<g class=\"legend\">\n",
-                          frame, axes, (left_ + right) / 2, height_ - 8, escaped(x_.label) + factor(along),
-                          -middle, name, smaller),
+                          frame, axes, (left_ + right) / 2, height_ - 8, escaped(x_.label) + factor(along), -middle,
+                          name, smaller),
               legend_, "</g>\n</svg>\n"}),
       title);
 }

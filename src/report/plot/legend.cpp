@@ -50,11 +50,14 @@ void Figure::colour_bar(const ColourMap& map, const Axis& values, std::string_vi
   std::vector<ColourStop> stops;
   for (std::size_t i = 0; i < map.anchors.size(); ++i)
     stops.push_back({static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), map.anchors[i]});
+  const std::string_view unit =
+      std::string_view(values.label).substr(std::min(values.label.rfind('['), values.label.size()));
   const std::string fill = gradient(stops, R"( x1="0" y1="1" x2="0" y2="0")");
   legend_ += fmt::format(
-      "<g class=\"scale\" data-name=\"{}\" data-low=\"{:.9g}\" data-high=\"{:.9g}\">"
+      "<g class=\"scale\" data-name=\"{}\" data-low=\"{:.9g}\" data-high=\"{:.9g}\" data-unit=\"{}\">"
       "<rect class=\"frame\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/></g>\n",
-      symbol, values.low, values.high, fill, bar, top, length);
+      symbol, values.low, values.high, unit.ends_with(']') ? escaped(unit.substr(1, unit.size() - 2)) : "", fill, bar,
+      top, length);
   const Ticks marks = ticks(values, 6);
   for (const Tick& tick : marks.ticks) {
     const double y = bottom - values.position(tick.value) * length;
@@ -103,9 +106,9 @@ void Figure::legend_key(std::string_view mark, std::string_view text, std::strin
   }
   const std::string smaller =
       one_line && size > most ? fmt::format(" style=\"font-size:{:.1f}px\"", std::max(7.0, font * most / size)) : "";
-  legend_ += fmt::format(
-      "<g class=\"key\" transform=\"translate({} {})\"{}>{}<text x=\"{}\" dy=\".35em\"{}>{}</text></g>\n", from, legend_y_,
-      key, mark, indent, smaller, words);
+  legend_ +=
+      fmt::format("<g class=\"key\" transform=\"translate({} {})\"{}>{}<text x=\"{}\" dy=\".35em\"{}>{}</text></g>\n",
+                  from, legend_y_, key, mark, indent, smaller, words);
   legend_y_ += height;
 }
 

@@ -168,7 +168,7 @@ std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
   if (!estimate.runs.empty()) all.add("Runs for the estimate", estimate.runs.size());
   std::string list;
   for (const std::string& reason : estimate.reasons) list += fmt::format("<li>{}</li>\n", sentence_html(reason));
-  return all.html(how_far, list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list));
+  return section_html(how_far, all.list() + (list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list)));
 }
 
 }  // namespace

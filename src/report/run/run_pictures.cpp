@@ -20,7 +20,9 @@ using plot::Range;
 
 std::string length_text(const Case& run, double value) { return on_page(run)(value, Dimension::length, 4); }
 std::string time_text(const Case& run, double value) { return "t = " + on_page(run)(value, Dimension::time, 4); }
-std::string obstacle_text(const Case& run, const ObstacleLevel& level) { return "obstacle " + length_text(run, level.u); }
+std::string obstacle_text(const Case& run, const ObstacleLevel& level) {
+  return "obstacle " + length_text(run, level.u);
+}
 
 std::string displacement_label(const Case& run, std::string_view words) {
   return with_unit(words, run.scene.units, Dimension::length);
@@ -137,7 +139,8 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     Figure figure(time_axis(data.field, run.scene.units), range.axis(displacement_label(run, label)), 220.0);
     if (body || run.scene.span)
       figure.shade(contacts_of(end.name, outcome, data), plot::series_colour(colour), "in contact");
-    for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(run, level));
+    for (const ObstacleLevel& level : shown)
+      figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(run, level));
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     if (body && surface.empty() && shown.empty())
       figure.legend_note(obstacle_text(run, levels_of(body).front()) + " (outside)");
@@ -219,8 +222,8 @@ std::vector<Interval> contacts_of_joint(std::size_t number, const Scene& scene, 
   const RunAccount* account = account_of(outcome);
   const bool known = account && number <= account->joints.size();
   const auto before = std::span(scene.chain).first(number - 1);
-  const auto place = std::ranges::count_if(
-      before, [](const Member& member) { return member.joint.kind != JointKind::bonded; });
+  const auto place =
+      std::ranges::count_if(before, [](const Member& member) { return member.joint.kind != JointKind::bonded; });
   return data.joints[static_cast<std::size_t>(place)].in_contact(
       outcome.reached_time, known ? account->joints[number - 1].latest : ContactPeak{});
 }
@@ -278,8 +281,7 @@ Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& 
     if (kind == JointKind::contact)
       points = with_contacts(points, contacts_of_joint(number, run.scene, outcome, data),
                              [](double, double n) { return n; });
-    lines.push_back(
-        {std::move(points), {plot::series_colour(k), k % 2 == 1, 1.8}, fmt::format("joint {}", number)});
+    lines.push_back({std::move(points), {plot::series_colour(k), k % 2 == 1, 1.8}, fmt::format("joint {}", number)});
   }
   if (lines.empty()) return {};
   const std::string axis = with_unit("force N", run.scene.units, Dimension::force);

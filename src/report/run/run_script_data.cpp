@@ -113,10 +113,9 @@ std::string axial_json(const Case& run, const Outcome& outcome, const ReportData
                            rigid ? "" : fmt::format(R"("elements":{},)", places(data.stress.parts()[m])), shift);
     if (m == 0) continue;
     const JointKind kind = run.scene.chain[m - 1].joint.kind;
-    joints += fmt::format(R"({}{{"kind":"{}"{})", m > 1 ? "," : "", name(kind),
-                          kind == JointKind::contact
-                              ? contacts_json(contacts_of_joint(m, run.scene, outcome, data))
-                              : "}");
+    joints +=
+        fmt::format(R"({}{{"kind":"{}"{})", m > 1 ? "," : "", name(kind),
+                    kind == JointKind::contact ? contacts_json(contacts_of_joint(m, run.scene, outcome, data)) : "}");
   }
   return fmt::format(R"({{"magnification":{},"block":{:.9g},"members":[{}],"joints":[{}]}})", layout.magnification,
                      layout.block, members, joints);

@@ -68,7 +68,7 @@ class Events {
       texts: [readable(event.time, 8), Events.name(event), event.closes ? "closes" : "opens", readable(event.velocity)],
       action: () => jump(event) })), ["", "word", "word", ""]);
     table.ariaLabel = "Contact changes";
-    const scroller = element("div", { className: "live scroller" }, table), body = table.tBodies[0], rows = [...body.rows];
+    const scroller = element("div", { className: "live tables scroller" }, table), body = table.tBodies[0], rows = [...body.rows];
     rows.forEach((row, i) => { row.tabIndex = i === 0 ? 0 : -1; });
     body.addEventListener("keydown", (event) => {
       const at = rows.indexOf(event.target);

@@ -66,7 +66,8 @@ class SweepPage {
           controls.push(this.select(name, values.map((value, i) => [i, this.valueText(value)]), state.filters[place],
             (value) => { state.filters[place] = Number(value); }));
     }
-    controls.push(this.select("scale", [["", "linear"], ["1", "logarithmic"]], state.log ? "1" : "", (value) => { state.log = value === "1"; }));
+    controls.push(this.select("scale", [["", "linear"], ["1", "logarithmic"]], state.log ? "1" : "", (value) => { state.log = value === "1"; }),
+      element("span", { className: "space" }), themeButton());
     this.picture = element("div", { className: "sweep" });
     this.meaning = element("p", { className: "note" });
     this.detail = element("div", { className: "case", ariaLive: "polite" });
