@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "input/unit_of_key.hpp"
 #include "report/number_text.hpp"
 #include "report/scene_check.hpp"
@@ -50,7 +52,7 @@ std::string end_text(EndCondition end, const EndInput& input, const Scene& scene
 
 std::string grouped(std::size_t value) {
   std::string digits = fmt::format("{}", value);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u2009");
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u202f");
   return digits;
 }
 

@@ -64,7 +64,7 @@ std::string readable(double value, int digits) {
   if (mantissa.ends_with('.')) mantissa.pop_back();
   const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
   if (mantissa == "1") return power;
-  return with_true_minus(mantissa) + "\u2009×\u2009" + power;
+  return with_true_minus(mantissa) + "\u202f×\u202f" + power;
 }
 
 double above_rounding(double value, double size) {

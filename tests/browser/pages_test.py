@@ -211,7 +211,7 @@ class ARunsReport(Browsed):
         time, *row = rows[len(rows) // 3]
         self.browser.move(*self.place("stress", time, middles[7]))
         text = self.value("document.querySelector('[data-picture=stress] .legend .value').textContent")
-        s = float(re.match(r"s\(.*\) = (.*)$", text).group(1).replace("−", "-").split("\u2009")[0])
+        s = float(re.match(r"s\(.*\) = (.*)$", text).group(1).replace("−", "-").split("\u202f")[0])
         largest = max(abs(float(value)) for one in rows for value in one[1:])
         self.assertAlmostEqual(s, float(row[7]), delta=0.02 * largest)  # a pixel or two
 

@@ -100,7 +100,7 @@ TEST(Readable, WritesForPeople) {
   EXPECT_EQ(readable(-1.5), "−1.5");
   EXPECT_EQ(readable(12345.0), "12345");
   EXPECT_EQ(readable(1e-6), "10⁻⁶");
-  EXPECT_EQ(readable(2.5e7), "2.5\u2009×\u200910⁷");
+  EXPECT_EQ(readable(2.5e7), "2.5\u202f×\u202f10⁷");
 }
 
 TEST(Rounding, BesideLargerNumbersIsZero) {

@@ -12,7 +12,7 @@ function readable(value, digits = 5) {
     return withTrueMinus(String(Number(value.toPrecision(Math.max(digits, Math.floor(Math.log10(size)) + 1)))));
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
   const short = String(Number(mantissa)), power = powerOfTen(Number(exponent));
-  return short === "1" ? power : withTrueMinus(short) + "\u2009×\u2009" + power;
+  return short === "1" ? power : withTrueMinus(short) + "\u202f×\u202f" + power;
 }
 
 /// Units that the scene of the page names, by quantity.
