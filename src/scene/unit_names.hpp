@@ -12,8 +12,8 @@ namespace viscobar {
 /// Dimensions of the numbers of a run. A force is one on the bar's cross-section, an energy one of its length.
 enum class Dimension { length, time, velocity, stress, force, impulse, energy };
 
-/// A unit by its powers of length, time, stress and area, which are fractions in norms over the bar. A force is a stress
-/// times an area: the square of a length where the scene has a section, 1 where forces are per area.
+/// A unit by its powers of length, time, stress and area, which are fractions in norms over the bar. A force is a
+/// stress times an area: the square of a length where the scene has a section, 1 where forces are per area.
 using UnitPowers = std::array<double, 4>;
 UnitPowers unit_powers(Dimension quantity);
 /// Powers of a unit in words, such as "stress x time / length", each "/" before what it divides by, or "density";

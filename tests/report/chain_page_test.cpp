@@ -72,8 +72,7 @@ TEST(Report, DrawsEachContactOfAJointWithItsPeak) {
 // At each of the six times: a strip for each bar, a block for each rigid body, a stroke for each joint.
 TEST(Report, DrawsMembersApartAndRigidBodiesAsBlocks) {
   const std::string ram = "[[bar]]\nmass = 2.0\nvelocity = 1.0\n";
-  const Html report =
-      page(parse_scene(ram + bar + "0.0\n" + bar + "0.0\n" + contact + end_of(0.5, 0.05), "scene"));
+  const Html report = page(parse_scene(ram + bar + "0.0\n" + bar + "0.0\n" + contact + end_of(0.5, 0.05), "scene"));
   const std::string svg = between(report.html, "data-picture=\"axial\"", "<svg ", "<g class=\"legend\">");
   EXPECT_EQ(count(svg, "class=\"solid rigid\""), 6u);
   EXPECT_EQ(count(svg, "class=\"solid\""), 12u);
