@@ -68,7 +68,7 @@ std::string readable(double value, int digits) {
 }
 
 double above_rounding(double value, double size) {
-  constexpr double roundings = 16.0 * std::numeric_limits<double>::epsilon();
+  constexpr double roundings = 256.0 * std::numeric_limits<double>::epsilon();
   return std::abs(value) <= roundings * size ? 0.0 : value;
 }
 

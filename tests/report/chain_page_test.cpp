@@ -86,6 +86,20 @@ TEST(Report, DrawsMembersApartAndRigidBodiesAsBlocks) {
   EXPECT_FALSE(axial["members"][0].contains("elements"));
 }
 
+// The cap is bonded to the bar before it and parts from the next one.
+TEST(Report, ShiftsWhatIsBehindARigidBodyInTheMiddle) {
+  const Html report = page(parse_scene(
+      bar + "1.0\n[[bar]]\nmass = 0.3\n" + bar + "0.0\n[[joint]]\nkind = \"bonded\"\n" + contact + end_of(0.5, 0.05),
+      "scene"));
+  const nlohmann::json axial = data_of(report)["axial"], &members = axial["members"];
+  EXPECT_EQ(members[1]["nodes"][0], members[0]["nodes"][1]);
+  EXPECT_EQ(members[1]["nodes"][0], members[1]["nodes"][1]);
+  EXPECT_EQ(members[2]["nodes"][0].get<int>(), members[1]["nodes"][1].get<int>() + 1);
+  EXPECT_EQ(members[1]["shift"], 0.0);
+  EXPECT_NEAR(members[2]["shift"].get<double>(),
+              axial["block"].get<double>() + 0.05 * axial["magnification"].get<double>(), 1e-9);
+}
+
 TEST(Report, HasUnitsWhereTheSceneNamesThem) {
   const std::string units = "[units]\nlength = \"m\"\ntime = \"s\"\nmass = \"kg\"\n";
   const Html report = page(parse_scene(units + bar + "1.0\n" + bar + "0.0\n" + contact + end_of(0.5, 0.05), "scene"));

@@ -20,7 +20,9 @@ class ThinnedField {
  public:
   /// Places of values: the nodes of a mesh, or the middles of its elements.
   enum class At { nodes, elements };
-  explicit ThinnedField(const Mesh& mesh, At at = At::nodes);
+  /// @param members the first and the last node of each member of a chain
+  explicit ThinnedField(const Mesh& mesh, At at = At::nodes,
+                        const std::vector<std::pair<std::size_t, std::size_t>>& members = {});
 
   void add(double time, std::span<const double> values) {
     add_each(time, [&](std::size_t j) { return values[j]; });
