@@ -82,7 +82,6 @@ TEST(Report, DrawsMembersApartAndRigidBodiesAsBlocks) {
   const double block = axial["block"], shift = axial["members"][1]["shift"], magnification = axial["magnification"];
   EXPECT_DOUBLE_EQ(axial["members"][0]["shift"].get<double>(), -block);
   EXPECT_NEAR(shift, 0.05 * magnification, 1e-9);
-  EXPECT_GT(magnification, 1.0);
   EXPECT_FALSE(axial["members"][0].contains("elements"));
 }
 

@@ -319,8 +319,8 @@ TEST(Figure, WritesLongNamesOfTheLegendInLines) {
   Figure figure({"x", 0.0, 1.0}, {"y", 0.0, 1.0});
   figure.line(std::vector<Point>{{0, 0}, {1, 1}}, {series_colour(0)}, "siconos-bouncing-0.001");
   const std::string svg = figure.svg("title");
-  EXPECT_NE(svg.find(">siconos-</tspan>"), std::string::npos) << svg;
-  EXPECT_NE(svg.find(">bouncing-0.001</tspan>"), std::string::npos);
+  EXPECT_NE(svg.find(">siconos-bouncing-</tspan>"), std::string::npos) << svg;
+  EXPECT_NE(svg.find(">0.001</tspan>"), std::string::npos);
   EXPECT_NE(svg.find("data-key=\"siconos-bouncing-0.001\""), std::string::npos);
 }
 
