@@ -59,7 +59,7 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   return text;
 }
 
-/// Of the ends.
+/// Largest size of a displacement of the ends.
 double largest_displacement(const RunAccount& account) {
   double size = 0.0;
   for (const EndAccount* end : {&account.left, &account.right})

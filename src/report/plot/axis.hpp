@@ -47,7 +47,7 @@ struct Range {
   void add(std::span<const Point> points) {
     for (const Point& point : points) add(point.y);
   }
-  /// Of the values' sizes; 0 of none.
+  /// Largest size of the values; 0 without any.
   double largest() const { return low <= high ? std::max(std::abs(low), std::abs(high)) : 0.0; }
   /// Takes an obstacle in unless that would squeeze the rest into less than half of the picture.
   bool reach(double level) {
