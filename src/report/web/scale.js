@@ -34,7 +34,7 @@ class Scale {
     const labels = linearLabels(values, tickSteps[k + 1], this.exponent);
     return values.map((value, i) => [this.at(value), labels[i]]);
   }
-  /// What it is called, with the factor of its labels.
+  /// The name of the axis, with the factor of its labels.
   name(label) { return this.exponent ? `${label} / ${powerOfTen(this.exponent)}` : label; }
 }
 
