@@ -263,10 +263,8 @@ void Run::tell(const Told& event) {
                             : mesh_.elements,
              event.turn.change, event.turn.velocity};
   if (statistics_.account) {
-    if (link.joint == 0) {
-      told.impulse = junctions_[event.junction].sign(event.turn.link) * event.turn.impulse;
-      if (told.change == Change::opening) told.peak = peak_of(event.junction, event.turn.link, event.turn.peak);
-    }
+    told.impulse = junctions_[event.junction].sign(event.turn.link) * event.turn.impulse;
+    if (told.change == Change::opening) told.peak = peak_of(event.junction, event.turn.link, event.turn.peak);
     statistics_.account->count(told);
   }
   telling_.told(told);

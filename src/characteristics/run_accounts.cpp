@@ -61,16 +61,16 @@ void Run::account() {
       const Junction::Link& link = junction.links()[l];
       if (!link.touches()) continue;
       const Junction::LinkMemory& of_link = memory.links[l];
-      if (link.joint > 0) {
-        if (account.joints.size() < link.joint) account.joints.resize(link.joint);
-        account.joints[link.joint - 1].impulse = of_link.impulse;
-        account.joints[link.joint - 1].peak_reaction = of_link.peak_force;
-        continue;
-      }
-      EndAccount& end = j == 0 ? account.left : account.right;
-      end.impulse = junction.sign(l) * of_link.impulse;
-      end.peak_reaction = of_link.peak_force;
-      end.latest = peak_of(j, l, of_link.latest);
+      account.joints.resize(std::max(account.joints.size(), link.joint));
+      const auto take = [&](auto& contact) {
+        contact.impulse = junction.sign(l) * of_link.impulse;
+        contact.peak_reaction = of_link.peak_force;
+        contact.latest = peak_of(j, l, of_link.latest);
+      };
+      if (link.joint > 0)
+        take(account.joints[link.joint - 1]);
+      else
+        take(j == 0 ? account.left : account.right);
     }
   }
 }

@@ -59,6 +59,14 @@ std::string contact_rows(const Case& run, const std::vector<Event>& events) {
   return text;
 }
 
+/// Largest size of a displacement of the ends.
+double largest_displacement(const RunAccount& account) {
+  double size = 0.0;
+  for (const EndAccount* end : {&account.left, &account.right})
+    if (end->lowest <= end->highest) size = std::max({size, std::abs(end->lowest), std::abs(end->highest)});
+  return size;
+}
+
 std::string table(const Case& run, const Outcome& outcome, const std::vector<Event>& events,
                   const fs::path& directory) {
   std::string text = heading(run.scene.title, "Run") + "\n";
@@ -73,8 +81,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
   if (const auto& statistics = outcome.statistics) {
     text += row("evaluations", "{}", statistics->rhs_evaluations);
     text += row("linear solves", "{}, {} factorisations", statistics->linear_solves, statistics->matrix_factorisations);
-    if (statistics->max_penetration > 0.0)
-      text += row("largest penetration", with_unit(statistics->max_penetration, run.scene, Dimension::length));
+    const double size = statistics->account ? largest_displacement(*statistics->account) : 0.0;
+    if (const double depth = above_rounding(statistics->max_penetration, size); depth > 0.0)
+      text += row("largest penetration", with_unit(depth, run.scene, Dimension::length));
     if (const auto& energy = statistics->energy) {
       const auto with = [&](double value, int digits = 6) {
         return with_unit(value, run.scene, Dimension::energy, digits);
@@ -104,8 +113,9 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {
         if (!is_fixed(kind) && end.lowest <= end.highest)
-          text += row(where, "u from {} to {}", with_unit(end.lowest, run.scene, Dimension::length),
-                      with_unit(end.highest, run.scene, Dimension::length));
+          text +=
+              row(where, "u from {} to {}", with_unit(above_rounding(end.lowest, size), run.scene, Dimension::length),
+                  with_unit(above_rounding(end.highest, size), run.scene, Dimension::length));
       };
       motion("left end", run.scene.left, account->left);
       motion("right end", run.scene.right, account->right);

@@ -15,19 +15,20 @@ namespace viscobar {
 
 namespace {
 
-/// Takes the reactions of a step, which ends at `to`, into the peaks of its contact and of the run.
-void raise(auto& account, std::span<const double> force, double to, double length) {
+/// Takes the reactions of a step, which ends at `to`, into the peaks of its contact and of the run: those of either
+/// sign, or the pushes alone.
+void raise(auto& account, std::span<const double> force, double to, double length, bool pulls = true) {
   const double known = std::abs(account.latest.reaction);
   const auto [least, most] = std::ranges::minmax_element(force);
   const double excess = Bernstein::excess(force.size() - 1) * (*most - *least);
-  if (*most + excess <= known && excess - *least <= known) return;
+  if (*most + excess <= known && (!pulls || excess - *least <= known)) return;
   const Bernstein polynomial = Bernstein::through(force);
   const auto take = [&](double extreme, auto sample) {
     const double part = static_cast<double>(sample - force.begin()) / static_cast<double>(force.size() - 1);
     account.peak_reaction = std::max(account.peak_reaction, account.latest.raise(extreme, to - (1.0 - part) * length));
   };
   take(polynomial.largest(known), most);
-  take(polynomial.smallest(-known), least);
+  if (pulls) take(polynomial.smallest(-known), least);
 }
 
 }  // namespace
@@ -157,7 +158,7 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
   }
 }
 
-void JointForces::add(double length, std::size_t order, bool extremes) {
+void JointForces::add(double to, double length, std::size_t order, bool extremes) {
   for (Joint& joint : joints_) {
     if (!system_.closed(joint.contact)) continue;
     const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
@@ -169,7 +170,7 @@ void JointForces::add(double length, std::size_t order, bool extremes) {
     for (std::size_t j = 0; j <= order; ++j)
       joint.rate[j] =
           joint.row.sign * (joint.rate[j] + inertia(static_cast<double>(j) / static_cast<double>(order)) / length);
-    account.peak_reaction = Bernstein::through(used(joint.rate)).largest(account.peak_reaction);
+    raise(account, used(joint.rate), to, length, false);
   }
 }
 
@@ -368,7 +369,7 @@ void ContactWatch::strike(std::size_t i, double impulse, std::span<const double>
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(seen_, length_, order_);
-  joints_.add(length_, order_, extremes_);
+  joints_.add(seen_, length_, order_, extremes_);
   for (End& end : ends_) {
     end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);

@@ -76,8 +76,8 @@ class JointForces {
   /// Sample j of a step, by the entries of all.
   void look_at(std::size_t j, double t, std::span<const double> y);
   void strike(std::size_t contact, double impulse, std::span<const double> change);
-  /// Adds a step of that length.
-  void add(double length, std::size_t order, bool extremes);
+  /// Adds a step of that length, which ends at `to`.
+  void add(double to, double length, std::size_t order, bool extremes);
 
  private:
   struct Joint {

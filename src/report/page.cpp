@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "input/unit_of_key.hpp"
+#include "report/number_text.hpp"
 #include "report/scene_check.hpp"
 #include "report/scene_ends.hpp"
 #include "results/file_set.hpp"
@@ -22,25 +26,33 @@ extern const std::string_view style, script;  // src/report/web
 
 namespace {
 
-std::string end_text(EndCondition end, const EndInput& input) {
+/// The number of a key of a scene, with its unit.
+std::string value_text(const Scene& scene, const NumberText& number, std::string_view key, double value) {
+  return number(value, unit_of_key(key, scene).value_or(UnitPowers{}), 4);
+}
+
+std::string end_text(EndCondition end, const EndInput& input, const Scene& scene) {
   const EndKind& kind = end_kind(end);
+  const NumberText number(NumberText::For::page, scene);
+  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
   std::string text(kind.in_words);
-  for (const EndNumber& number : kind.numbers)
-    text += fmt::format(", {}\u00a0{}", number.key, readable(number.of(end)));
+  for (const EndNumber& one : kind.numbers)
+    text += fmt::format(", {}\u00a0{}", one.key, number(one.of(end), unit_powers(one.unit).value_or(UnitPowers{}), 4));
   if (const auto* obstacle = std::get_if<Obstacle>(&end); obstacle && obstacle->side == Side::above) text += ", above";
   if (input.force)
-    text += input.force->steady ? fmt::format(", force {}", readable(input.force->value(0.0))) : ", force F(t)";
+    text += input.force->steady ? fmt::format(", force {}", number(input.force->value(0.0), Dimension::force, 4))
+                                : ", force F(t)";
   if (input.motion) text += is_obstacle(end) ? ", moving" : ", motion d(t)";
-  if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", readable(input.stiffness));
-  if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", readable(input.dashpot));
+  if (input.stiffness > 0.0) text += fmt::format(", spring {} to u = 0", of_key("left.stiffness", input.stiffness));
+  if (input.dashpot > 0.0) text += fmt::format(", dashpot {}", of_key("left.dashpot", input.dashpot));
   if (input.stop) text += fmt::format(", a stop by {}", name(input.stop->law));
-  if (input.mass > 0.0) text += fmt::format(", mass {}", readable(input.mass));
+  if (input.mass > 0.0) text += fmt::format(", mass {}", of_key("left.mass", input.mass));
   return text;
 }
 
 std::string grouped(std::size_t value) {
   std::string digits = fmt::format("{}", value);
-  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u2009");
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u202f");
   return digits;
 }
 
@@ -56,10 +68,14 @@ FileChecksums checksums_of(const std::string& file, const PicturedPage& page) {
 
 std::string model_html(const Scene& scene) {
   const Bar& bar = scene.bar;
+  const NumberText number(NumberText::For::page, scene);
+  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
+  const std::string left = end_text(scene.left, scene.left_input, scene),
+                    right = end_text(scene.right, scene.right_input, scene),
+                    length = number(bar.length, Dimension::length, 4);
   if (!scene.chain.empty())
-    return fmt::format("{} in line, <i>L</i> = {}: {}. Left end {}; right end {}.", scene.chain.size(),
-                       readable(bar.length), fmt::format("{}", fmt::join(member_texts(scene), "; ")),
-                       end_text(scene.left, scene.left_input), end_text(scene.right, scene.right_input));
+    return fmt::format("{} in line, <i>L</i> = {}: {}. Left end {}; right end {}.", scene.chain.size(), length,
+                       fmt::format("{}", fmt::join(member_texts(scene, NumberText::For::page), "; ")), left, right);
   const bool damped = bar.viscosity > 0.0;
   std::string load = "0";
   if (scene.load)
@@ -77,13 +93,13 @@ std::string model_html(const Scene& scene) {
       "{}<i>ρ u<sub>tt</sub></i> − {}{}{} = {}{} on 0 &lt; <i>x</i> &lt; {}, with {}<i>ρ</i> = {}, <i>E</i> = {}{}. "
       "Left end {}; right end {}",
       area, stress, side(scene.side && scene.side->stiffness, "k u"),
-      side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, readable(bar.length),
-      varies ? "a section " + section_text(scene) + ", " : "", readable(bar.density), readable(bar.modulus),
-      damped ? ", <i>η</i> = " + readable(bar.viscosity) : "", end_text(scene.left, scene.left_input),
-      end_text(scene.right, scene.right_input));
+      side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, length,
+      varies ? "a section " + section_text(scene) + ", " : "", of_key("bar.density", bar.density),
+      of_key("bar.modulus", bar.modulus), damped ? ", <i>η</i> = " + of_key("bar.viscosity", bar.viscosity) : "", left,
+      right);
   for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
-                        level.above ? "≤" : "≥", readable(level.u));
+                        level.above ? "≤" : "≥", number(level.u, Dimension::length, 4));
   return text + ".";
 }
 
@@ -95,15 +111,35 @@ void Numbers::add(std::string_view name, const std::string& value, std::string_v
 
 void Numbers::add(std::string_view name, std::size_t value) { add(name, grouped(value)); }
 
-std::string Numbers::html(std::string_view heading) const {
-  return fmt::format("<section><h2>{}</h2>\n<dl>\n{}</dl></section>\n", heading, html_);
-}
+std::string Numbers::list() const { return joined({"<dl>\n", html_, "</dl>\n"}); }
+
+std::string Numbers::html(std::string_view heading) const { return section_html(heading, list()); }
 
 std::string section_html(std::string_view heading, std::string_view content) {
   return fmt::format("<section><h2>{}</h2>\n{}</section>\n", heading, content);
 }
 
-std::string sentence_html(std::string_view sentence) { return escaped(with_readable_numbers(sentence)); }
+std::string sentence_html(std::string_view sentence) {
+  const std::string text = escaped(with_readable_numbers(sentence));
+  std::string html;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t hat = std::min(text.find('^', at), text.size());
+    html.append(text, at, hat - at);
+    if (hat == text.size()) break;
+    // ^2.38, or ^(-1/2) without its brackets.
+    const bool bracketed = text.substr(hat + 1).starts_with('(');
+    const std::size_t from = hat + 1 + (bracketed ? 1 : 0);
+    std::size_t to = bracketed ? text.find(')', from) : text.find_first_not_of("0123456789.", from);
+    to = std::min(to, text.size());
+    while (!bracketed && to > from && text[to - 1] == '.') --to;
+    if (to == from)
+      html += '^';
+    else
+      html += fmt::format("<sup>{}</sup>", with_true_minus(text.substr(from, to - from)));
+    at = to + (bracketed && to < text.size() ? 1 : 0);
+  }
+  return html;
+}
 
 std::string notes_html(const std::vector<std::string>& sentences) {
   std::string html;

@@ -19,7 +19,7 @@ std::string model_html(const Scene& scene);
 
 std::string section_html(std::string_view heading, std::string_view content);
 
-/// A sentence of the program as HTML, its numbers as the page writes them.
+/// A sentence of the program as HTML, its numbers and powers as the page writes them.
 std::string sentence_html(std::string_view sentence);
 
 /// Remarks, sentences without their full stops, below each other.
@@ -30,6 +30,8 @@ class Numbers {
  public:
   void add(std::string_view name, const std::string& value, std::string_view remark = {});
   void add(std::string_view name, std::size_t value);
+  std::string list() const;
+  /// A card of them.
   std::string html(std::string_view heading) const;
 
  private:

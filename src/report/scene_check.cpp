@@ -84,22 +84,30 @@ std::string range_along(const Scene& scene, const SpaceFunction& f, const UnitPo
 
 }  // namespace
 
-std::vector<std::string> member_texts(const Scene& scene) {
+std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader) {
+  const bool on_page = reader == NumberText::For::page;
+  const NumberText number(reader, scene);
+  const auto told = [&](double value, std::string_view unit) {
+    return number(value, *unit_powers(unit), on_page ? 4 : 10);
+  };
+  const auto symbol = [&](const char* plain, const char* letter) {
+    return on_page ? fmt::format("<i>{}</i>", letter) : std::string(plain);
+  };
   std::vector<std::string> lines;
   for (const Member& member : scene.chain) {
     const Bar& bar = member.bar;
-    const auto with = [&](std::string_view key, double value) { return with_unit_of(key, value, scene, 10); };
-    std::string text = "rigid body of mass " + with("bar.1.mass", member.mass);
+    std::string text = "rigid body of mass " + told(member.mass, "density x length x area");
     if (!member.rigid())
-      text = fmt::format("bar of L = {}, rho = {}, E = {}, eta = {}{}", with("bar.length", bar.length),
-                         with("bar.density", bar.density), with("bar.modulus", bar.modulus),
-                         with("bar.viscosity", bar.viscosity), member.section ? ", of varying section" : "");
+      text = fmt::format("bar of {} = {}, {} = {}, {} = {}, {} = {}{}", symbol("L", "L"), told(bar.length, "length"),
+                         symbol("rho", "ρ"), told(bar.density, "density"), symbol("E", "E"),
+                         told(bar.modulus, "stress"), symbol("eta", "η"), told(bar.viscosity, "stress x time"),
+                         member.section ? ", of varying section" : "");
     const Joint& joint = member.joint;
     if (&member != &scene.chain.back()) text += fmt::format(", then {}", name(joint.kind));
-    if (joint.kind == JointKind::contact) text += fmt::format(" over a gap of {}", with("joint.1.gap", joint.gap));
+    if (joint.kind == JointKind::contact) text += " over a gap of " + told(joint.gap, "length");
     if (joint.kind == JointKind::spring)
-      text += fmt::format(" of k = {}, c = {}", with("left.stiffness", joint.stiffness),
-                          with("left.dashpot", joint.damping));
+      text += fmt::format(" of {} = {}, {} = {}", symbol("k", "k"), told(joint.stiffness, "force / length"),
+                          symbol("c", "c"), told(joint.damping, "force x time / length"));
     lines.push_back(std::move(text));
   }
   return lines;

@@ -8,6 +8,7 @@
 
 #include "case/regime.hpp"
 #include "case/run_cost.hpp"
+#include "report/number_text.hpp"
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "viscobar/case/accuracy.hpp"
@@ -39,7 +40,7 @@ std::string_view load_kind(const Scene& scene);
 std::string side_text(const Scene& scene);
 std::string section_text(const Scene& scene);
 /// A line for each member of a chain: what it is, and how it hangs together with the next.
-std::vector<std::string> member_texts(const Scene& scene);
+std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader = NumberText::For::terminal);
 /// Forces, motion and mounts of an end, and their terms in the model, a sentence for each.
 std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end);
 std::string contact_kind(const Setup& setup);

@@ -50,7 +50,7 @@ void members(Like<SpanAccount> auto& span, auto&& each) {
   each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction, span.latest);
 }
 void members(Like<JointAccount> auto& joint, auto&& each) {
-  each(joint.closings, joint.contact, joint.impulse, joint.peak_reaction);
+  each(joint.closings, joint.contact, joint.impulse, joint.peak_reaction, joint.latest);
 }
 void members(Like<RunAccount> auto& account, auto&& each) {
   each(account.left, account.right, account.span, account.joints);

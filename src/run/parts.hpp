@@ -114,13 +114,14 @@ inline void count_change(Statistics& statistics, Event& event) {
     if (event.change == Change::opening && account.span.closed() == 0) event.peak = account.span.latest;
     return;
   }
-  if (event.where == Where::joint) {
-    event.impulse = account.joints[event.node - 1].impulse;
-    return;
-  }
-  const EndAccount& end = event.where == Where::left ? account.left : account.right;
-  event.impulse = end.impulse;
-  if (event.change == Change::opening) event.peak = end.latest;
+  const auto tell = [&event](const auto& contact) {
+    event.impulse = contact.impulse;
+    if (event.change == Change::opening) event.peak = contact.latest;
+  };
+  if (event.where == Where::joint)
+    tell(account.joints[event.node - 1]);
+  else
+    tell(event.where == Where::left ? account.left : account.right);
 }
 
 /// The state of a method, archived by its members(), put into a checkpoint or taken from one.

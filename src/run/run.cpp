@@ -19,6 +19,7 @@ void RunAccount::count(const Event& event) {
     if (joints.size() < event.node) joints.resize(event.node);
     JointAccount& joint = joints[event.node - 1];
     joint.closings += closing;
+    if (closing && !joint.contact.closed_since) joint.latest = {0.0, event.time};
     closing ? joint.contact.close(event.time) : joint.contact.open(event.time);
     return;
   }

@@ -108,7 +108,8 @@ std::string unit_name(const Units& units, Dimension quantity, const std::optiona
 }
 
 std::string squares(std::string unit) {
-  for (std::size_t at = 0; (at = unit.find("^2", at)) != unit.npos;) unit.replace(at, 2, "²");
+  for (const auto& [power, sign] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}})
+    for (std::size_t at = 0; (at = unit.find(power, at)) != unit.npos;) unit.replace(at, 2, sign);
   return unit;
 }
 

@@ -28,7 +28,7 @@ inline std::string unit_name(const Units& units, Dimension quantity) { return un
 /// The unit of a derivative, "1" of a number where the scene names units; empty where that by which it is has none.
 std::string unit_name(const Units& units, Dimension quantity, const std::optional<UnitPowers>& per);
 
-/// A unit as pages write it, with ² for ^2.
+/// A unit as pages write it, with ² for ^2 and ³ for ^3.
 std::string squares(std::string unit);
 
 /// "time t [s]", as pages write it; without a unit the words alone.

@@ -224,7 +224,9 @@ class Run {
       const std::size_t number = step_->contacts()[k].joint;
       if (number == 0) continue;
       account.joints.resize(std::max(account.joints.size(), number));
-      account.joints[number - 1].impulse = step_->start_impulse()[k];
+      JointAccount& joint = account.joints[number - 1];
+      joint.impulse = step_->start_impulse()[k];
+      joint.peak_reaction = joint.latest.raise(step_->reaction_before()[k], times_.front());
     }
     account.span.impulse = of_span(step_->start_impulse());
     account.span.peak_reaction = account.span.latest.raise(of_span(step_->reaction_before()), times_.front());
@@ -328,7 +330,7 @@ class Run {
       if (number == 0 || (now[k] == 0.0 && then[k] == 0.0)) continue;
       JointAccount& joint = statistics_.account->joints[number - 1];
       joint.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * then[k] : 0.0) + theta / 2 * now[k]);
-      joint.peak_reaction = std::max(joint.peak_reaction, reaction(k, theta));
+      joint.peak_reaction = std::max(joint.peak_reaction, joint.latest.raise(reaction(k, theta), until));
     }
     if (!spanned_) return;
     const double before = of_span(step_->reaction_before()), after = of_span(step_->reaction());
@@ -453,6 +455,8 @@ class Run {
     // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
     if (statistics_.account && change == Change::closing && contact.where == Where::span)
       statistics_.account->span.latest.raise(of_span(step_->reaction()), t);
+    if (statistics_.account && change == Change::closing && contact.joint > 0)
+      statistics_.account->joints[contact.joint - 1].latest.raise(step_->reaction()[k], t);
     if (event.impulse && change == Change::closing && contact.at_end()) {
       EndAccount& end = account_of(contact.where == Where::right);
       end.latest.raise(sign(k) * step_->reaction()[k], t);

@@ -13,6 +13,7 @@
 #include "report/plot/figure.hpp"
 #include "sweep/sweep_results.hpp"
 #include "text/json_text.hpp"
+#include "text/number.hpp"
 #include "text/printable_text.hpp"
 
 namespace viscobar {
@@ -143,7 +144,7 @@ std::string sweep_page(const SweepFile& sweep, std::span<const SweepRow* const> 
   Page page(sweep.title.empty() ? "A sweep of viscobar" : sweep.title);
   std::string keys;
   for (const VariedKey& key : sweep.plan.keys)
-    keys += fmt::format("{}{} ({} values)", keys.empty() ? "" : ", ", escaped(key.key), key.size());
+    keys += fmt::format("{}{} ({})", keys.empty() ? "" : ", ", escaped(key.key), counted(key.size(), "value"));
   page.add_head(fmt::format(
       "<p class=\"model\">{} over {}: {} of {} cases are done{}.</p>\n", escaped(sweep.scene_source), keys, all.size(),
       sweep.plan.size(),

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace viscobar {
 
@@ -63,19 +64,37 @@ std::string readable(double value, int digits) {
   if (mantissa.ends_with('.')) mantissa.pop_back();
   const std::string power = power_of_ten(std::stoi(scientific.substr(at + 1)));
   if (mantissa == "1") return power;
-  return with_true_minus(mantissa) + "\u2009×\u2009" + power;
+  return with_true_minus(mantissa) + "\u202f×\u202f" + power;
+}
+
+double above_rounding(double value, double size) {
+  constexpr double roundings = 256.0 * std::numeric_limits<double>::epsilon();
+  return std::abs(value) <= roundings * size ? 0.0 : value;
 }
 
 std::string with_readable_numbers(std::string_view sentence) {
   std::string text;
   const auto digit = [&](std::size_t i) { return i < sentence.size() && sentence[i] >= '0' && sentence[i] <= '9'; };
   for (std::size_t i = 0; i < sentence.size();) {
-    const bool inside = i > 0 && (std::isalnum(static_cast<unsigned char>(sentence[i - 1])) || sentence[i - 1] == '_' ||
-                                  sentence[i - 1] == '.');
+    const std::string_view rest = sentence.substr(i);
+    const char before = i > 0 ? sentence[i - 1] : ' ';
+    const bool inside = std::isalnum(static_cast<unsigned char>(before)) || before == '_' || before == '.';
+    if (rest.starts_with("+- ")) {
+      text += "±";
+      i += 2;
+      continue;
+    }
+    if (constexpr std::string_view word = "epsilon"; !inside && before != '-' && rest.starts_with(word)) {
+      const std::size_t end = word.size() + (rest.substr(word.size()).starts_with('s') ? 1 : 0);
+      if (end == rest.size() || (!std::isalnum(static_cast<unsigned char>(rest[end])) && rest[end] != '_')) {
+        text += "ε";
+        i += end;
+        continue;
+      }
+    }
     double value = 0.0;
-    const char* const begin = sentence.data() + i;
-    const auto [rest, error] = std::from_chars(begin, sentence.data() + sentence.size(), value);
-    const std::string_view number(begin, static_cast<std::size_t>(rest - begin));
+    const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    const std::string_view number(rest.data(), static_cast<std::size_t>(stop - rest.data()));
     const std::size_t mark = number.find('e');
     if (!inside && digit(i) && error == std::errc{} && mark != number.npos) {
       const auto digits =

@@ -24,7 +24,11 @@ void append_thousandths(std::string& text, double value);
 /// A number for people: a few digits, with a true minus sign; 1.2 x 10^k where it is very large or small.
 std::string readable(double value, int digits = 4);
 
-/// A sentence whose numbers, such as 1.2e-05, are written as readable() writes them.
+/// 0 for a value that is rounding beside numbers of that size.
+double above_rounding(double value, double size);
+
+/// A sentence as pages write it: numbers such as 1.2e-05 by readable(), +- as one sign, epsilon, but in keys and
+/// options, as its letter.
 std::string with_readable_numbers(std::string_view sentence);
 
 std::string power_of_ten(int exponent);

@@ -211,7 +211,7 @@ class ARunsReport(Browsed):
         time, *row = rows[len(rows) // 3]
         self.browser.move(*self.place("stress", time, middles[7]))
         text = self.value("document.querySelector('[data-picture=stress] .legend .value').textContent")
-        s = float(re.match(r"s\(.*\) = (.*)$", text).group(1).replace("−", "-").split("\u2009")[0])
+        s = float(re.match(r"s\(.*\) = (.*)$", text).group(1).replace("−", "-").split("\u202f")[0])
         largest = max(abs(float(value)) for one in rows for value in one[1:])
         self.assertAlmostEqual(s, float(row[7]), delta=0.02 * largest)  # a pixel or two
 
@@ -299,6 +299,38 @@ class OtherReports(Browsed):
             x, y = self.place("axial", f"-viscobar.axial.magnification * {gap}", "chart.view.y.high + 0.1")
             self.assertLess(min(sum(self.browser.pixel(x + k, y)) for k in (-1, 0, 1)), 3 * 110, time)
             self.assertGreater(min(sum(self.browser.pixel(x + k, y)) for k in (3, 4, 5, 6)), 3 * 200, time)
+
+    def test_labels_of_axes_are_whole_and_clear_of_their_name(self):
+        for width in (1280, 400):
+            self.browser.resize(width, 900)
+            for scene in ("steel-bar", "shaken-stop"):
+                self.report(scene)
+                room = self.value("""[...document.querySelectorAll(".chart > svg")].flatMap((svg) => {
+                    const box = (node) => node.getBoundingClientRect(), name = box(svg.querySelector(":scope > g > text.axis[transform]"));
+                    const labels = [...svg.querySelectorAll(":scope > g > text[text-anchor=end]")];
+                    return labels.map((label) => box(label).left - Math.max(name.right, box(svg).left)); })""")
+                self.assertGreater(len(room), 20)
+                self.assertGreater(min(room), 0, (width, scene))
+        self.browser.resize(1100, 900)
+
+    def test_of_bars_in_line_draws_each_member_and_joint_by_itself(self):
+        self.report("hopkinson")
+        bars = self.value("document.querySelectorAll('[data-picture=axial] .chart rect.solid').length")
+        joints = self.value("document.querySelectorAll('[data-picture=axial] .chart path.joint').length")
+        self.assertEqual((bars, joints), (4, 3))
+        # The striker leaves the bar after the wave has come back through it, and does not come again.
+        force, parts = self.value("[viscobar.charts.get('joints').curves[0].y.length, viscobar.axial.joints[0].contact]")
+        self.assertGreater(force, 10)
+        self.assertEqual(self.value("document.querySelectorAll('[data-picture=axial] .chart rect.touching').length"), 1)
+        self.value(f"viscobar.player.go({parts[1]} + 0.5)")
+        self.browser.settle()
+        self.assertEqual(self.value("document.querySelectorAll('[data-picture=axial] .chart rect.touching').length"), 0)
+
+    def test_a_gap_of_nothing_is_told_as_nothing(self):
+        # Displacements in the page are rounded to 1/65535 of their range.
+        self.report("unit-both-ends", "--set", "left.gap=0.1", "--set", "initial.displacement=-0.1", "--set", "left.kind=obstacle")
+        for text in self.value("[...document.querySelectorAll('[data-picture=bar] .said')].map((node) => node.textContent)"):
+            self.assertNotIn("10⁻", text)
 
     def test_of_a_chattering_bar_visits_each_of_many_changes(self):
         self.report("chatter", "--set", "contact.epsilon=1e-8")

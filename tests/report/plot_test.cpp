@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "report/plot/axis.hpp"
 #include "report/plot/colours.hpp"
@@ -13,6 +14,7 @@
 #include "report/plot/thinning.hpp"
 #include "report/run/run_data.hpp"
 #include "text/number.hpp"
+#include "viscobar/integration/integrate.hpp"
 
 namespace viscobar::plot {
 namespace {
@@ -45,6 +47,12 @@ TEST(Ticks, OfAnyRangeAreAFewInsideIt) {
     }
 }
 
+TEST(Ticks, OfALowPictureAreTwoAtLeast) {
+  for (double size = 1e-9; size < 1e9; size *= 1.13)
+    for (const double low : {-size, -0.3 * size, 0.0, 0.77 * size})
+      EXPECT_GE(ticks({"", low, low + 2.0 * size}, 2).ticks.size(), 2u) << low << ' ' << size;
+}
+
 TEST(Ticks, OfLargeNumbersShareAFactor) {
   const Ticks marks = ticks({"", 0.0, 2e6}, 4);
   EXPECT_EQ(marks.exponent, 6);
@@ -58,6 +66,17 @@ TEST(Ticks, OfALogarithmicAxisAreDecadesWithMinorOnesBetween) {
   EXPECT_EQ(labels(marks), (std::vector<std::string>{"10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"}));
   EXPECT_EQ(marks.ticks.size(), 5u + 4u * 8u);
   EXPECT_LE(labels(ticks(fitted_decades("", 1e-30, 1e30), 9)).size(), 10u);
+}
+
+// A mark at a whole decade is not cut in half by the frame.
+TEST(Axis, OfDecadesHasRoomForMarksAtItsEnds) {
+  Range range;
+  range.add(1e-8);
+  range.add(1e-2);
+  const Axis axis = range.decades("", 1.3);
+  EXPECT_DOUBLE_EQ(axis.low, 1e-8 / 1.3);
+  EXPECT_DOUBLE_EQ(axis.high, 1.3e-2);
+  EXPECT_EQ(labels(ticks(axis, 9)).size(), 7u);
 }
 
 TEST(Axis, AConstantHasAnAxisAroundIt) {
@@ -81,7 +100,21 @@ TEST(Readable, WritesForPeople) {
   EXPECT_EQ(readable(-1.5), "−1.5");
   EXPECT_EQ(readable(12345.0), "12345");
   EXPECT_EQ(readable(1e-6), "10⁻⁶");
-  EXPECT_EQ(readable(2.5e7), "2.5\u2009×\u200910⁷");
+  EXPECT_EQ(readable(2.5e7), "2.5\u202f×\u202f10⁷");
+}
+
+TEST(Rounding, BesideLargerNumbersIsZero) {
+  EXPECT_EQ(above_rounding(-4.4e-106, 0.3), 0.0);
+  EXPECT_EQ(above_rounding(4.16e-17, 1.0), 0.0);
+  EXPECT_EQ(above_rounding(-1e-12, 1.0), -1e-12);
+  EXPECT_EQ(above_rounding(4.16e-17, 1e-10), 4.16e-17);
+}
+
+TEST(Sentences, OfPagesHaveTheirSignsAndKeepKeys) {
+  EXPECT_EQ(with_readable_numbers("1.50 +- 0.02 at epsilon = 1e-06"), "1.50 ± 0.02 at ε = 10⁻⁶");
+  EXPECT_EQ(with_readable_numbers("three epsilons"), "three ε");
+  for (const char* kept : {"contact.epsilon", "leave --epsilon out", "to_epsilon", "epsilon_of"})
+    EXPECT_EQ(with_readable_numbers(kept), kept);
 }
 
 TEST(Ordinal, FollowsEnglish) {
@@ -268,6 +301,33 @@ TEST(Figure, AsAFileHasItsColoursWithinAndNoVariables) {
   EXPECT_NE(file.find("#0072b2"), std::string::npos);
   for (const char* of_a_page : {"var(", "currentColor", "data-theme"})
     EXPECT_EQ(file.find(of_a_page), std::string::npos);
+}
+
+// 13 pixels a letter at most 0.6 wide: beside the frame the widest tick and the name, which is 26 pixels from the edge.
+TEST(Figure, LeavesRoomForWideTicksAndLongNames) {
+  const Figure figure({"x", 0.0, 1.0}, {"a name that is longer than the frame is high", -650.02531, -650.02528}, 120.0);
+  const std::string svg = figure.svg("title");
+  std::size_t widest = 0;
+  for (const Tick& tick : ticks({"", -650.02531, -650.02528}, 2).ticks)
+    widest = std::max(widest, tick.label.size() - 2);
+  const std::size_t frame = svg.find("<svg x=\"") + 8;
+  EXPECT_GE(std::stod(svg.substr(frame)), 26.0 + 9.0 + 0.55 * 13.0 * static_cast<double>(widest));
+  EXPECT_NE(svg.find("x=\"-60\" y=\"16\" text-anchor=\"middle\" style=\"font-size:"), std::string::npos);
+}
+
+TEST(Figure, WritesLongNamesOfTheLegendInLines) {
+  Figure figure({"x", 0.0, 1.0}, {"y", 0.0, 1.0});
+  figure.line(std::vector<Point>{{0, 0}, {1, 1}}, {series_colour(0)}, "siconos-bouncing-0.001");
+  const std::string svg = figure.svg("title");
+  EXPECT_NE(svg.find(">siconos-bouncing-</tspan>"), std::string::npos) << svg;
+  EXPECT_NE(svg.find(">0.001</tspan>"), std::string::npos);
+  EXPECT_NE(svg.find("data-key=\"siconos-bouncing-0.001\""), std::string::npos);
+}
+
+TEST(Palette, HasAColourForEachMethod) {
+  std::set<std::string> colours;
+  for (std::size_t i = 0; i < std::size(all_methods); ++i) colours.insert(in_light_colours(series_colour(i)));
+  EXPECT_EQ(colours.size(), std::size(all_methods));
 }
 
 TEST(Figure, MarksForTheScriptOfAPageWhatItDraws) {

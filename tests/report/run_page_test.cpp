@@ -9,6 +9,7 @@
 #include <regex>
 #include <sstream>
 
+#include "report/page_reader.hpp"
 #include "support/scene_text.hpp"
 #include "support/scratch.hpp"
 #include "text/number.hpp"
@@ -17,42 +18,11 @@
 namespace viscobar {
 namespace {
 
-/// A page without its scripts.
-std::string without_scripts(const std::string& html) {
-  std::string out;
-  for (std::size_t at = 0; at != html.npos;) {
-    const std::size_t script = html.find("<script", at);
-    out += html.substr(at, script - at);
-    at = script == html.npos ? script : html.find("</script>", script);
-  }
-  return out;
-}
-
-/// A page as written.
-struct Html {
-  std::string html;
-  /// Without its scripts, which know more words than the page says.
-  bool has(const std::string& text) const { return without_scripts(html).find(text) != std::string::npos; }
-};
-
-Html page(const SceneFile& scene) {
-  const Scratch scratch;
-  record_run(scene, scratch.path());
-  return {read_text(scratch / "report.html")};
-}
-
 SceneFile free_bar() {
   SceneFile scene = bouncing_bar();
   scene.run.scene.left = Free{};
   scene.run.epsilon.reset();
   return scene;
-}
-
-/// The document that the page's script reads.
-nlohmann::json data_of(const Html& page) {
-  const std::string opening = "<script type=\"application/json\" id=\"data\">";
-  const std::size_t begin = page.html.find(opening) + opening.size(), end = page.html.find("</script>", begin);
-  return nlohmann::json::parse(page.html.substr(begin, end - begin));
 }
 
 // Tests in a browser, tests/browser, show that the scripts load nothing.
@@ -120,28 +90,6 @@ std::map<std::string, std::vector<std::string>> columns_of(const std::string& cs
     for (const std::string& name : names) std::getline(row, cell, ','), columns[name].push_back(cell);
   }
   return columns;
-}
-
-/// The text between two others, behind a third.
-std::string between(const std::string& html, const std::string& behind, const std::string& opening,
-                    const std::string& closing) {
-  const std::size_t from = html.find(opening, html.find(behind)), begin = from + opening.size();
-  return from == html.npos ? "" : html.substr(begin, html.find(closing, begin) - begin);
-}
-
-/// The largest size of what a line of a picture shows: its path lies in a frame that is as high as the axis.
-double largest_of(const Html& page, const std::string& name, const std::string& label) {
-  const std::string svg = between(page.html, "data-picture=\"" + name + '"', "<svg ", "<g class=\"legend\">");
-  std::string axis = between(svg, "", "data-y=\"", "\"");
-  for (std::size_t at; (at = axis.find("&quot;")) != axis.npos;) axis.replace(at, 6, "\"");
-  const nlohmann::json y = nlohmann::json::parse(axis);
-  double left = 0.0, top = 0.0, width = 0.0, height = 0.0, most = 0.0, value = 0.0;
-  std::istringstream(between(svg, "<svg x=", "viewBox=\"", "\"")) >> left >> top >> width >> height;
-  std::istringstream path(between(svg, "class=\"line\" data-key=\"" + label + '"', " d=\"", "\""));
-  for (char command = 0; path >> command >> left >> value;)
-    most = std::max(most, std::abs(y["high"].get<double>() +
-                                   (y["low"].get<double>() - y["high"].get<double>()) * (value - top) / height));
-  return most;
 }
 
 // Numbers of the page have nine digits. A line in a picture is drawn to half of 1/1000 of a pixel, in a frame of 182
@@ -238,19 +186,6 @@ TEST(Report, SaysWhereThePeakOfAnImpactHasNoLimit) {
   scene.run.method = MethodName::ida;
   EXPECT_FALSE(page(scene).has(words));
   EXPECT_TRUE(page(scene).has("peak reaction"));
-}
-
-// Equal elastic bars: N = Z v / 2 = 0.5 for 2 L/c = 2 from t = 0.05 on, whose impulse is the momentum of the first.
-TEST(Report, HasForcesAndContactsOfJointsAndAStripABar) {
-  const std::string bar = "[[bar]]\nlength = 1.0\nvelocity = ";
-  const std::string end = "[time]\nend = 3.0\n[output]\nevery = 0.01\n";
-  const Html report =
-      page(parse_scene(bar + "1.0\n" + bar + "0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n" + end, "scene"));
-  EXPECT_TRUE(report.has("Forces at joints over time"));
-  EXPECT_TRUE(report.has(">joint 1</td><td>1</td><td>2</td><td>1</td><td>0.5</td>"));
-  EXPECT_TRUE(report.has("data-level=\"1\""));
-  const Html bonded = page(parse_scene(bar + "1.0\n" + bar + "0.0\n" + end, "scene"));
-  EXPECT_FALSE(bonded.has("Forces at joints"));
 }
 
 TEST(Report, LeavesOutWhatTheSceneDoesNotHave) {

@@ -81,8 +81,8 @@ struct Event {
   /// the account of the run.
   std::optional<double> impulse = std::nullopt;
   std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
-  /// Peak of the contact, at an opening that ends the contact of its end, or that of all nodes under a span obstacle;
-  /// absent where nobody asked for the account of the run.
+  /// Peak of the contact, at an opening that ends the contact of its end or joint, or that of all nodes under a span
+  /// obstacle; absent where nobody asked for the account of the run.
   std::optional<ContactPeak> peak = std::nullopt;
 };
 
@@ -165,6 +165,7 @@ struct JointAccount {
   TimeInContact contact;       ///< how long it was closed
   double impulse = 0.0;        ///< int N dt
   double peak_reaction = 0.0;  ///< max N
+  ContactPeak latest;          ///< of N, of the contact that lasts, or else of the last one
 };
 
 /// Accounts of the ends of the bar and of its obstacles. Nothing in it depends on the output times.

@@ -158,8 +158,9 @@ Picture contacts_picture(const Scene& scene, const Comparison& check) {
   std::vector<Panel> panels;
   const auto panel = [&](Where where, const std::string& axis) {
     const double rows = static_cast<double>(runs.size());
-    Figure figure(time_axis(check), {axis, rows - 0.5, -0.5, plot::Scale::linear, true},
-                  plot::height_of_bars(runs.size()));
+    Axis down{.label = axis, .low = rows - 0.5, .high = -0.5, .bare = true};
+    for (const MethodRun* run : runs) down.rows.push_back(label(*run));
+    Figure figure(time_axis(check), std::move(down), plot::height_of_bars(runs.size()));
     for (std::size_t i = 0; i < runs.size(); ++i)
       figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
                   label(*runs[i]));
@@ -200,7 +201,7 @@ Picture difference_map(const Comparison& check) {
   for (std::size_t k = 0; k < first.times.size(); ++k)
     field.add_each(first.times[k],
                    [a = first.displacement(k), b = other.displacement(k)](std::size_t j) { return b[j] - a[j]; });
-  const FieldColours colours = colours_of(field, in_unit(check, "difference", Dimension::length));
+  const FieldColours colours = colours_of(field, in_unit(check, "difference", Dimension::length), true);
   const Case& run = runs[0]->setup.run;
   return {"Difference over space and time",
           fmt::format("<i>u</i> of {} less that of {}.", escaped(label(*runs[1])), escaped(label(*runs[0]))) +

@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "case/massless.hpp"
+#include "report/plot/axis.hpp"
 #include "results/csv.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
@@ -48,6 +50,15 @@ std::function<Cell(const ComparedRun&)> of_energy(double EnergyAccount::*member)
     return energy ? std::optional((*energy).*member) : std::nullopt;
   });
 }
+/// For people: nothing that is rounding of the ends' displacements.
+std::string penetration(const ComparedRun& row, const NumberText& number) {
+  const auto& recording = row.run->recording;
+  if (!recording) return "";
+  plot::Range ends;
+  for (std::size_t k = 0; k < recording->times.size(); ++k)
+    for (const double u : {recording->displacement(k).front(), recording->displacement(k).back()}) ends.add(u);
+  return number(above_rounding(recording->statistics.max_penetration, ends.largest()));
+}
 std::function<Cell(const ComparedRun&)> of_difference(auto Difference::*member) {
   return [member](const ComparedRun& row) { return row.difference ? cell((*row.difference).*member) : Cell(); };
 }
@@ -77,7 +88,7 @@ const std::vector<Column<ComparedRun>>& compare_columns() {
       {"seconds", "seconds", of_recording([](const Recording& of) { return of.statistics.integration_seconds; })},
       {"events", "changes", of_recording([](const Recording& of) { return of.events.size(); })},
       Column<Row>{"max_penetration", "penetration",
-                  of_recording([](const Recording& of) { return of.statistics.max_penetration; })}
+                  of_recording([](const Recording& of) { return of.statistics.max_penetration; }), penetration}
           .in(Dimension::length),
       energy("energy_final", "final energy", &EnergyAccount::final),
       energy("energy_dissipated", "dissipated", &EnergyAccount::dissipated),

@@ -123,7 +123,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result, const Num
     of_rest.add(residual);
     plot::Figure both(t, all.axis(number.heading(column, unit)));
     both.markers(measured, plot::series_colour(1), "measured");
-    both.line(model, {plot::series_colour(0)}, "model");
+    both.line(model, {"var(--ink)", false, 2.0}, "model");  // to be seen on the marks
     plot::Figure rest(t, of_rest.axis(number.heading("model − data", unit)), 160.0);
     rest.level(0.0, {"var(--soft)", true, 1.0});
     rest.markers(residual, plot::series_colour(1), "residual");
@@ -198,13 +198,13 @@ std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitRes
 PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const NumberText number(NumberText::For::page, scene.run.scene);
   Page page = Page::of_study(scene.run.scene, ": fit");
-  page.add_head(notes_html({verdict(result)}));
-  page.add_head(html(estimates(scene.run.scene, result, number)));
+  page.add_head(notes_html({"The numbers of this scene are those that the fit starts from"}));
   Numbers numbers;
   numbers.add("Numbers measured", result.measured);
   numbers.add("Runs of the model", result.runs);
   numbers.add("Residual", number(result.residual), "in the standard deviations of the data");
-  page.add(numbers.html("The fit"));
+  page.add_section("The fit", fmt::format("<p>{}.</p>\n", sentence_html(verdict(result))) +
+                                  html(estimates(scene.run.scene, result, number)) + numbers.list());
   page.add(traces_picture(study, result, number));
   const std::vector<std::string> notes = remarks(study, result);
   if (!notes.empty()) page.add_section("What speaks against it, and what the data do not tell", notes_html(notes));

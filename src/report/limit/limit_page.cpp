@@ -120,6 +120,14 @@ std::string head(const LimitStudy& study, const LimitResult& result, const Numbe
   return out;
 }
 
+/// Two numbers with the digits that tell them apart, or one where six do not.
+std::string between_limits(double low, double high, const NumberText& number) {
+  int digits = 2;
+  while (digits < 6 && number(low, digits) == number(high, digits)) ++digits;
+  const std::string most = number(high, Dimension::length, digits);
+  return number(low, digits) == number(high, digits) ? most : number(low, digits) + " to " + most;
+}
+
 std::string numbers(const LimitStudy& study, const LimitResult& result, const NumberText& number) {
   const auto length = [&](double value) { return number(value, Dimension::length, 2); };
   const auto penalty = [&](double epsilon, int digits) { return number(epsilon, number.of_epsilon, digits); };
@@ -129,14 +137,14 @@ std::string numbers(const LimitStudy& study, const LimitResult& result, const Nu
   all.add("Restitution", study.scene.restitution ? readable(*study.scene.restitution) : "not given",
           study.scene.restitution ? "in penalty and scheme" : "undamped penalty, implicit constraint in the scheme");
   all.add("Penalty ε", number(study.epsilons.front(), 4) + " to " + penalty(study.epsilons.back(), 4),
-          fmt::format("{} values", study.epsilons.size()));
+          counted(study.epsilons.size(), "value"));
   if (!orders.scheme.empty())
     all.add("Scheme's time step", number(orders.scheme_step, Dimension::time, 4),
             fmt::format("error {}, by {} steps from {} down", length(orders.scheme_error), orders.scheme.size(),
                         number(orders.scheme.front().step, Dimension::time, 2)));
   all.add("Relative tolerance", readable(orders.tolerance), "of the penalised runs");
   if (const auto lower = orders.evidence.lower(), upper = orders.evidence.upper(); lower && upper)
-    all.add("Distance of the limits", number(*lower, 2) + " to " + length(*upper),
+    all.add("Distance of the limits", between_limits(*lower, *upper, number),
             "of the penalised bar and of the scheme, by their differences and errors");
   if (study.estimate)
     all.add("Error of the mesh", length(study.estimate->total),

@@ -17,6 +17,7 @@ using plot::Point;
 using plot::Range;
 
 constexpr const char* soft = "var(--soft)";
+constexpr double margin = 1.3;  // room for the marks at either end
 
 NumberText on_page(const LimitStudy& study) { return NumberText(NumberText::For::page, study.scene.scene); }
 
@@ -24,7 +25,7 @@ Axis epsilon_axis(const LimitStudy& study, const LimitResult& result) {
   const NumberText number = on_page(study);
   Range range;
   for (const LimitRow& row : result.rows) range.add(row.epsilon);
-  Axis axis = range.decades(number.heading("penalty ε", number.of_epsilon));
+  Axis axis = range.decades(number.heading("penalty ε", number.of_epsilon), margin);
   axis.link = "epsilon";
   return axis;
 }
@@ -66,7 +67,7 @@ Axis decades_of(std::string label, const Lines& lines, const std::vector<double>
   for (const auto& line : lines) range.add(line);
   for (const double level : levels)
     if (level > 0.0) range.add(level);
-  return range.decades(std::move(label));
+  return range.decades(std::move(label), margin);
 }
 
 std::string slope_name(double order) {

@@ -8,18 +8,25 @@ namespace viscobar::plot {
 
 namespace {
 
+/// 1, 2 or 5 times a power of ten.
+double rounded(double size) {
+  const double power = std::pow(10.0, std::floor(std::log10(size))), ratio = size / power;
+  return power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+}
+
 Ticks linear_ticks(const Axis& axis, int about) {
-  const double raw = (axis.high - axis.low) / about;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  const double ratio = raw / power;
-  const double step = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+  const double range = axis.high - axis.low;
+  const auto first = [&](double step) { return std::ceil(axis.low / step - 1e-9); };
+  double step = rounded(range / about);
+  // A single number tells no scale; a step below half of the range puts two into it.
+  if ((first(step) + 1.0) * step > axis.high + 1e-9 * step) step = rounded(0.3 * range);
   const double largest = std::max(std::abs(axis.low), std::abs(axis.high));
   const int magnitude = static_cast<int>(std::floor(std::log10(largest)));
   Ticks result;
   if (magnitude >= 5 || magnitude <= -3) result.exponent = magnitude;
   const double factor = std::pow(10.0, -result.exponent);
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step * factor) - 1e-9)), 0, 12);
-  for (double index = std::ceil(axis.low / step - 1e-9); index * step <= axis.high + 1e-9 * step; ++index) {
+  for (double index = first(step); index * step <= axis.high + 1e-9 * step; ++index) {
     const double value = index * step;
     result.ticks.push_back(
         {value, with_true_minus(fmt::format("{:.{}f}", value == 0.0 ? 0.0 : value * factor, decimals))});

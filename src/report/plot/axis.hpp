@@ -18,8 +18,9 @@ struct Axis {
   std::string label;
   double low = 0.0, high = 1.0;
   Scale scale = Scale::linear;
-  bool bare = false;      ///< without ticks; `low` may then be above `high`
-  std::string link = {};  ///< axes of the same name are moved, zoomed and pointed at together on a page
+  bool bare = false;                   ///< without ticks; `low` may then be above `high`
+  std::string link = {};               ///< axes of the same name are moved, zoomed and pointed at together on a page
+  std::vector<std::string> rows = {};  ///< of a bare one from -1/2 up: what the values 0, 1, ... are, for the page
 
   /// Place of a value, 0 at `low` and 1 at `high`.
   double position(double value) const;
@@ -46,6 +47,8 @@ struct Range {
   void add(std::span<const Point> points) {
     for (const Point& point : points) add(point.y);
   }
+  /// Largest size of the values; 0 without any.
+  double largest() const { return low <= high ? std::max(std::abs(low), std::abs(high)) : 0.0; }
   /// Takes an obstacle in unless that would squeeze the rest into less than half of the picture.
   bool reach(double level) {
     const double size = std::max(high - low, 1e-3 * std::max(std::abs(high), std::abs(low)));
@@ -56,10 +59,14 @@ struct Range {
   Axis axis(std::string label) const {
     return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
   }
-  /// A logarithmic one, of positive values; `margin` makes room for marks at either end.
+  /// A logarithmic one, of positive values; `margin` is room for marks at either end, beyond whole decades where they
+  /// lie at one.
   Axis decades(std::string label, double margin = 1.0) const {
     if (!(low <= high)) return {std::move(label), 0.1, 1.0, Scale::logarithmic};
-    return fitted_decades(std::move(label), low / margin, high * margin);
+    Axis axis = fitted_decades(std::move(label), low, high);
+    axis.low = std::min(axis.low, low / margin);
+    axis.high = std::max(axis.high, high * margin);
+    return axis;
   }
 };
 

@@ -27,6 +27,7 @@ constexpr std::array variables = {
     Variable{"series-2", "#00855f", "#3ccb9c"},    Variable{"series-3", "#a8538a", "#e29acb"},
     Variable{"series-4", "#7d6b00", "#d9c64a"},    Variable{"series-5", "#56616c", "#a9b4bf"},
     Variable{"series-6", "#5a43c4", "#b3a4ff"},    Variable{"series-7", "#a3121f", "#ff8d8d"},
+    Variable{"series-8", "#6b3e1f", "#d2a679"},    Variable{"series-9", "#0a7d8c", "#62d3e0"},
     Variable{"sequence-0", "#e3a72f", "#7d4fc4"},  Variable{"sequence-1", "#e1932f", "#9753bf"},
     Variable{"sequence-2", "#db8037", "#ae58b7"},  Variable{"sequence-3", "#d26e41", "#c35fad"},
     Variable{"sequence-4", "#c65e4b", "#d667a2"},  Variable{"sequence-5", "#b84f54", "#e57196"},
@@ -39,6 +40,7 @@ constexpr std::array variables = {
     Variable{"page", "#f5f6f8", "#121519"},
 };
 constexpr double last_of_sequence = 12.0;
+constexpr std::size_t colours_of_series = 10;
 
 }  // namespace
 
@@ -59,7 +61,7 @@ ColourMap diverging() { return {diverging_anchors}; }
 
 std::string hex(Colour colour) { return fmt::format("#{:06x}", colour); }
 
-std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % 8); }
+std::string series_colour(std::size_t index) { return fmt::format("var(--series-{})", index % colours_of_series); }
 
 std::string sequence_colour(double position) {
   return fmt::format("var(--sequence-{:.0f})", std::round(last_of_sequence * std::clamp(position, 0.0, 1.0)));

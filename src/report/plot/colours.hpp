@@ -25,7 +25,7 @@ ColourMap diverging();
 
 std::string hex(Colour colour);
 
-/// CSS variable of the i-th colour of the palette (eight; the first four are told apart by colour-blind eyes).
+/// CSS variable of the i-th colour of the palette (ten; the first four are told apart by colour-blind eyes).
 std::string series_colour(std::size_t index);
 
 /// CSS variable at a position in [0, 1] of a sequence from light to dark, the other way round on a dark page.

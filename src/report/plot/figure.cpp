@@ -9,6 +9,7 @@
 #include <iterator>
 #include <ranges>
 
+#include "report/plot/layout.hpp"
 #include "text/joined.hpp"
 #include "text/json_text.hpp"
 #include "text/number.hpp"
@@ -16,9 +17,9 @@
 
 namespace viscobar::plot {
 
-namespace {
+using namespace layout;
 
-constexpr double width = 960.0, left = 84.0, right = 800.0, top = 12.0, below = 46.0, legend_pitch = 19.0;
+namespace {
 
 /// Digits of the numbers that a marker tells. Lines are drawn to 1/1000 of a pixel: to 1/10^5 of a picture's height,
 /// 1/10^6 of its width.
@@ -30,10 +31,12 @@ std::string json(const Axis& axis) {
   if (axis.scale == Scale::logarithmic) text += R"(,"log":true)";
   if (axis.bare) text += R"(,"bare":true)";
   if (!axis.link.empty()) text += fmt::format(R"(,"link":{})", json_string(axis.link));
+  for (const std::string& row : axis.rows)
+    text += fmt::format("{}{}", &row == &axis.rows.front() ? R"(,"rows":[)" : ",", json_string(row));
+  if (!axis.rows.empty()) text += ']';
   return text + '}';
 }
 
-constexpr std::array<std::string_view, 6> dashes = {"", "7 4", "2 3", "9 3 2 3", "4 2", "12 4"};
 constexpr std::array<std::string_view, 6> outlines = {"M-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0-7 0z",
                                                       "M-3.5-3.5h7v7h-7z",
                                                       "M0-4.2l4.2 7.4h-8.4z",
@@ -41,18 +44,9 @@ constexpr std::array<std::string_view, 6> outlines = {"M-3.5 0a3.5 3.5 0 1 0 7 0
                                                       "M-3.5-3.5l7 7M3.5-3.5l-7 7",
                                                       "M0 4.2l4.2-7.4h-8.4z"};
 
-std::string stroke_css(const Style& style, double thickness) {
-  const std::string_view dash = style.dashed ? "6 4" : dashes[style.shape % dashes.size()];
-  return fmt::format("stroke:{};stroke-width:{}{}{}", style.colour, thickness,
-                     dash.empty() ? "" : ";stroke-dasharray:", dash);
-}
-
 std::string marker(const std::string& colour, std::size_t shape) {
   return fmt::format("style=\"fill:{0};stroke:{0}\" d=\"{1}\"", colour, outlines[shape % outlines.size()]);
 }
-
-// Factor of the labels of an axis, behind its name.
-std::string factor(const Ticks& marks) { return marks.exponent ? " / " + power_of_ten(marks.exponent) : ""; }
 
 // The gradients of all figures of a page share one name space; svg() puts the picture's title into their names.
 constexpr char place_of_title = '\x01';
@@ -66,15 +60,21 @@ std::string named_after(std::string text, std::string_view title) {
 
 }  // namespace
 
-std::span<const std::string_view> dash_shapes() { return dashes; }
 std::span<const std::string_view> marker_shapes() { return outlines; }
 
 double height_of_bars(std::size_t rows) { return top + below + legend_pitch * static_cast<double>(rows) + 1.0; }
 
 Figure::Figure(Axis x, Axis y, double height)
-    : x_(std::move(x)), y_(std::move(y)), height_(height), legend_y_(top + 10.0) {}
+    : x_(std::move(x)), y_(std::move(y)), height_(height), left_(least_left), legend_y_(top + 10.0) {
+  // Room for the widest tick beside the axis' name.
+  constexpr double name_and_mark = 35.0, font = 13.0;
+  for (const Tick& tick : ticks_up().ticks)
+    left_ = std::max(left_, std::ceil(name_and_mark + font * of_digit * static_cast<double>(letters(tick.label))));
+}
 
-double Figure::place_x(double value) const { return left + x_.position(value) * (right - left); }
+Ticks Figure::ticks_up() const { return ticks(y_, std::max(2, static_cast<int>((height_ - below - top) / 38))); }
+
+double Figure::place_x(double value) const { return left_ + x_.position(value) * (right - left_); }
 double Figure::place_y(double value) const {
   const double bottom = height_ - below;
   return bottom - y_.position(value) * (bottom - top);
@@ -185,8 +185,12 @@ void Figure::label(Point at, std::string_view text) {
 
 void Figure::marker_line(double x, const Style& style, std::string_view text) {
   stroke(std::vector<Point>{{x, y_.low}, {x, y_.high}}, style, " class=\"upright\"");
-  content_ += fmt::format("<text class=\"note fixed\" transform=\"translate({:.1f} {})\" x=\"5\" y=\"15\">{}</text>\n",
-                          place_x(x), top, escaped(text));
+  if (text.empty()) return;
+  // To the left of its line where the frame ends to the right.
+  const bool leftwards = x_.position(x) > 0.5;
+  content_ +=
+      fmt::format("<text class=\"note fixed\" transform=\"translate({:.1f} {})\" x=\"{}\" y=\"15\"{}>{}</text>\n",
+                  place_x(x), top, leftwards ? -5 : 5, leftwards ? " text-anchor=\"end\"" : "", escaped(text));
 }
 
 void Figure::bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend) {
@@ -194,7 +198,7 @@ void Figure::bars(std::span<const Interval> parts, double y, const std::string& 
   const std::string style = fmt::format("class=\"bar\" style=\"fill:{0};stroke:{0}\"", colour);
   const std::string name = fmt::format(" data-key=\"{}\"", escaped(legend));
   content_ += joined({"<path ", style, name, " d=\"", boxes(parts, place_y(y) - thickness / 2, thickness), "\"/>\n"});
-  legend_key(fmt::format("<path {} d=\"M0 -5h20v10h-20z\"/>", style), legend, name);
+  legend_key(fmt::format("<path {} d=\"M0 -5h20v10h-20z\"/>", style), legend, name, 27.0, true);
 }
 
 void Figure::image(const std::string& uri, Point low, Point high) {
@@ -216,8 +220,7 @@ std::string Figure::gradient(std::span<const ColourStop> stops, std::string_view
   return fmt::format("url(#{})", id);
 }
 
-void Figure::strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words) {
-  constexpr double thickness = 18.0;
+void Figure::strip(double from, double to, double y, std::span<const ColourStop> stops) {
   const double left_end = place_x(from), size = place_x(to) - left_end;
   std::vector<ColourStop> parts(stops.begin(), stops.end());
   for (ColourStop& stop : parts)
@@ -225,9 +228,19 @@ void Figure::strip(double from, double to, double y, std::span<const ColourStop>
   const std::string fill = gradient(parts, "");
   content_ += fmt::format(
       "<rect class=\"solid\" style=\"fill:{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{}\"/>\n", fill,
-      left_end, place_y(y) - thickness / 2, std::max(0.0, size), thickness);
-  legend_ +=
-      fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>\n", right + 14, place_y(y), escaped(words));
+      left_end, place_y(y) - strip_thickness / 2, std::max(0.0, size), strip_thickness);
+}
+
+void Figure::block(double from, double to, double y) {
+  content_ +=
+      fmt::format("<rect class=\"solid rigid\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{}\"/>\n",
+                  place_x(from), place_y(y) - strip_thickness / 2, place_x(to) - place_x(from), strip_thickness);
+}
+
+void Figure::joint(double at, double y) {
+  constexpr double beyond = 5.0;
+  content_ += fmt::format("<path class=\"joint\" d=\"M{:.2f} {:.2f}v{}\"/>\n", place_x(at),
+                          place_y(y) - strip_thickness / 2 - beyond, strip_thickness + 2 * beyond);
 }
 
 void Figure::walls(std::span<const Wall> walls) {
@@ -247,62 +260,10 @@ void Figure::walls(std::span<const Wall> walls) {
   }
 }
 
-void Figure::colour_bar(const ColourMap& map, const Axis& values, std::string_view symbol) {
-  const double bar = right + 20, bottom = height_ - below - 44, length = bottom - top;
-  std::vector<ColourStop> stops;
-  for (std::size_t i = 0; i < map.anchors.size(); ++i)
-    stops.push_back({static_cast<double>(i) / static_cast<double>(map.anchors.size() - 1), map.anchors[i]});
-  const std::string fill = gradient(stops, R"( x1="0" y1="1" x2="0" y2="0")");
-  legend_ += fmt::format(
-      "<g class=\"scale\" data-name=\"{}\" data-low=\"{:.9g}\" data-high=\"{:.9g}\">"
-      "<rect class=\"frame\" style=\"fill:{}\" x=\"{}\" y=\"{}\" width=\"16\" height=\"{}\"/></g>\n",
-      symbol, values.low, values.high, fill, bar, top, length);
-  const Ticks marks = ticks(values, 6);
-  for (const Tick& tick : marks.ticks) {
-    const double y = bottom - values.position(tick.value) * length;
-    legend_ +=
-        fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h4\"/><text x=\"{}\" y=\"{:.1f}\" dy=\".35em\">{}</text>",
-                    bar + 16, y, bar + 24, y, tick.label);
-  }
-  legend_ +=
-      fmt::format("<text class=\"axis\" transform=\"rotate(-90)\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                  -(top + bottom) / 2, bar + 78, escaped(values.label) + factor(marks));
-  legend_y_ = bottom + 22;
-}
-
-void Figure::legend_box(const std::string& colour, std::string_view text) {
-  legend_key(fmt::format("<path style=\"fill:{}\" d=\"M0 -5h20v10h-20z\"/>", colour), text, "");
-}
-
-void Figure::legend_note(std::string_view text) { legend_key("", text, "", 0.0); }
-
-void Figure::legend_line(const Style& style, std::string_view text) {
-  if (text.empty()) return;
-  legend_key(fmt::format("<path class=\"line\" style=\"{}\" d=\"M0 0h20\"/>",
-                         stroke_css(style, std::clamp(style.width, 1.6, 7.0))),
-             text, fmt::format(" data-key=\"{}\"", escaped(text)));
-}
-
-void Figure::legend_key(std::string_view mark, std::string_view text, std::string_view key, double indent) {
-  legend_ +=
-      fmt::format("<g class=\"key\" transform=\"translate({} {})\"{}>{}<text x=\"{}\" dy=\".35em\">{}</text></g>\n",
-                  right + 14, legend_y_, key, mark, indent, escaped(text));
-  legend_y_ += legend_pitch;
-}
-
-void Figure::begin_still() {
-  content_ += "<g class=\"still\">\n";
-  legend_ += "<g class=\"still\">\n";
-}
-void Figure::end_still() {
-  content_ += "</g>\n";
-  legend_ += "</g>\n";
-}
-
 std::string Figure::svg(std::string_view title) const {
   const double bottom = height_ - below;
   std::string axes, grid;
-  const Ticks along = ticks(x_, 9), up = ticks(y_, std::max(2, static_cast<int>((bottom - top) / 38)));
+  const Ticks along = ticks(x_, 9), up = ticks_up();
   for (const Tick& tick : along.ticks) {
     const double x = place_x(tick.value);
     fmt::format_to(std::back_inserter(grid), "M{:.1f} {}V{}", x, top, bottom);
@@ -311,27 +272,33 @@ std::string Figure::svg(std::string_view title) const {
   }
   for (const Tick& tick : up.ticks) {
     const double y = place_y(tick.value);
-    fmt::format_to(std::back_inserter(grid), "M{} {:.1f}H{}", left, y, right);
-    axes += fmt::format("<path class=\"frame\" d=\"M{} {:.1f}h-{}\"/>", left, y, tick.label.empty() ? 3 : 5);
+    fmt::format_to(std::back_inserter(grid), "M{:.1f} {:.1f}H{}", left_, y, right);
+    axes += fmt::format("<path class=\"frame\" d=\"M{:.1f} {:.1f}h-{}\"/>", left_, y, tick.label.empty() ? 3 : 5);
     axes +=
-        fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left - 9, y, tick.label);
+        fmt::format("<text x=\"{}\" y=\"{:.1f}\" dy=\".35em\" text-anchor=\"end\">{}</text>", left_ - 9, y, tick.label);
   }
+  // A name that is longer than the frame is high takes the whole height, and smaller letters if it must.
+  const std::string name = escaped(y_.label) + factor(up);
+  constexpr double font = 14.0;
+  const double length = font * of_letter * static_cast<double>(letters(y_.label) + 6), room = height_ - 8.0;
+  const double middle = length <= bottom - top ? (top + bottom) / 2 : height_ / 2;
+  const std::string smaller = length > room ? fmt::format(" style=\"font-size:{:.1f}px\"", font * room / length) : "";
   const std::string frame =
-      fmt::format("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"", left, top, right - left, bottom - top);
+      fmt::format("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"", left_, top, right - left_, bottom - top);
   return named_after(
       joined({fmt::format(
                   "<svg viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\" data-x=\"{3}\" data-y=\"{4}\"{5}>\n"
                   "<path class=\"grid\" d=\"{6}\"/>\n<svg {7} viewBox=\"{8} {9} {10} {11}\">\n",
                   width, height_, escaped(title), escaped(json(x_)), escaped(json(y_)),
-                  live_height_ ? fmt::format(" data-height=\"{}\"", *live_height_) : "", grid, frame, left, top,
-                  right - left, bottom - top),
+                  live_height_ ? fmt::format(" data-height=\"{}\"", *live_height_) : "", grid, frame, left_, top,
+                  right - left_, bottom - top),
               content_, "</svg>\n",
               fmt::format("<rect class=\"frame\" {0}/>\n{1}\n"
                           "<text class=\"axis\" x=\"{2}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n"
                           "<text class=\"axis\" transform=\"rotate(-90)\" x=\"{5}\" y=\"16\" "
-                          "text-anchor=\"middle\">{6}</text>\n<g class=\"legend\">\n",
-                          frame, axes, (left + right) / 2, height_ - 8, escaped(x_.label) + factor(along),
-                          -(top + bottom) / 2, escaped(y_.label) + factor(up)),
+                          "text-anchor=\"middle\"{7}>{6}</text>\n<g class=\"legend\">\n",
+                          frame, axes, (left_ + right) / 2, height_ - 8, escaped(x_.label) + factor(along), -middle,
+                          name, smaller),
               legend_, "</g>\n</svg>\n"}),
       title);
 }
@@ -359,6 +326,8 @@ svg .bar { stroke-width: .75; }
 svg .area { fill: var(--faint); opacity: .7; }
 svg .body { fill: var(--soft); opacity: .25; }
 svg .solid { stroke: var(--ink); stroke-width: 1; }
+svg .rigid { fill: var(--soft); }
+svg .joint { stroke: var(--ink); stroke-width: 1.6; fill: none; }
 svg .hatch { stroke: var(--soft); stroke-width: 1; fill: none; }
 svg .surface { stroke: var(--ink); stroke-width: 1.6; fill: none; }
 )css";

@@ -49,16 +49,22 @@ class Figure {
                std::size_t shape = 0);
   void series(std::span<const Point> points, const Style& style, std::string_view legend = {});
   void label(Point at, std::string_view text);
-  /// A vertical line through the frame, the text at its top.
+  /// A vertical line through the frame, the text, if any, at its top.
   void marker_line(double x, const Style& style, std::string_view text);
   /// Horizontal bars of one height in y, a line of the legend as high as they are.
   void bars(std::span<const Interval> parts, double y, const std::string& colour, std::string_view legend);
-  /// A body along x at the height y, in colours that change along it, its words in the legend beside.
+  /// A body along x at the height y, in colours that change along it.
   struct ColourStop {
     double at;
     Colour colour;
   };
-  void strip(double from, double to, double y, std::span<const ColourStop> stops, std::string_view words);
+  void strip(double from, double to, double y, std::span<const ColourStop> stops);
+  /// A rigid one, as thick as a strip.
+  void block(double from, double to, double y);
+  /// A mark of a joint at the height y, which stands out above and below a strip.
+  void joint(double at, double y);
+  /// A line of the legend at the height y.
+  void words_beside(double y, std::string_view words);
   /// Upright walls over the whole height, or over a part of y, hatched to the right or to the left; `open` ones leave
   /// the middle free.
   struct Wall {
@@ -95,11 +101,14 @@ class Figure {
   std::string key(const std::string& colour, std::string_view legend);
   void stroke(std::span<const Point> points, const Style& style, std::string_view attributes);
   void legend_line(const Style& style, std::string_view text);
-  void legend_key(std::string_view mark, std::string_view text, std::string_view key, double indent = 27.0);
+  void legend_key(std::string_view mark, std::string_view text, std::string_view key, double indent = 27.0,
+                  bool one_line = false);
   std::string gradient(std::span<const ColourStop> stops, std::string_view direction);
 
+  Ticks ticks_up() const;
+
   Axis x_, y_;
-  double height_;
+  double height_, left_;
   std::optional<double> live_height_;
   std::string content_, legend_;
   std::map<std::string, std::string> keys_;  // of the last line of the legend in a colour

@@ -36,10 +36,11 @@ std::size_t pixels_of(std::size_t values, std::size_t enough, std::size_t most) 
 
 }  // namespace
 
-FieldColours colours_of(const ThinnedField& field, const std::string& label) {
+FieldColours colours_of(const ThinnedField& field, const std::string& label, bool about_zero) {
   const plot::Range range = field.range();
-  plot::Range scale = range;
-  const bool two_signs = std::min(range.high, -range.low) > 0.1 * std::max(range.high, -range.low);
+  const double size = std::max(range.high, -range.low);
+  plot::Range scale{above_rounding(range.low, size), above_rounding(range.high, size)};
+  const bool two_signs = about_zero || std::min(range.high, -range.low) > 0.1 * size;
   if (two_signs) {
     scale.add(-range.low);
     scale.add(-range.high);
@@ -106,11 +107,12 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
       .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
-  // A strip a bar.
+  // A strip a bar, its edge to be seen on light and on dark.
   double place = 0.0;
   for (const Member& member : run.scene.chain)
     if ((place += member.bar.length) > 0.0 && !member.rigid() && &member != &run.scene.chain.back())
-      figure.level(place, {"var(--ink)", false, 0.8});
+      for (const plot::Style& line : {plot::Style{"var(--paper)", false, 3.0}, plot::Style{"var(--ink)", false, 1.0}})
+        figure.level(place, line);
   figure.colour_bar(map, values, symbol);
   if (std::ranges::find(pixels, touching) != pixels.end())
     figure.legend_box(plot::hex(palette[touching]), "in contact");

@@ -8,11 +8,34 @@
 
 namespace viscobar {
 
-ThinnedField::ThinnedField(const Mesh& mesh, At at) : node_stride_((mesh.elements + most - 1) / most) {
+namespace {
+
+std::vector<std::pair<std::size_t, std::size_t>> nodes_of_members(const Scene& scene, const Mesh& mesh) {
+  std::vector<std::pair<std::size_t, std::size_t>> nodes;
+  for (std::size_t m = 0; m < scene.chain.size(); ++m) {
+    const bool apart = m > 0 && scene.chain[m - 1].joint.kind != JointKind::bonded;
+    const std::size_t first = m == 0 ? 0 : nodes.back().second + (apart ? 1 : 0);
+    nodes.emplace_back(first, first + (*mesh.members)[m].elements);
+  }
+  return nodes;
+}
+
+}  // namespace
+
+ThinnedField::ThinnedField(const Mesh& mesh, At at, const std::vector<std::pair<std::size_t, std::size_t>>& members)
+    : node_stride_((mesh.elements + most - 1) / most) {
   const bool nodal = at == At::nodes;
-  const std::size_t last = nodal ? mesh.elements : mesh.elements - 1;
-  for (std::size_t j = 0; j < last; j += node_stride_) nodes_.push_back(j);
-  nodes_.push_back(last);
+  // A node that bonded members share is kept once, and no element of a joint, which has no length.
+  const auto keep = [&](std::size_t first, std::size_t last) {
+    if (!nodal && first == last) return parts_.push_back({nodes_.size(), 0});
+    if (!nodal) --last;
+    const std::size_t shared = !nodes_.empty() && nodes_.back() == first ? 1 : 0, begin = nodes_.size() - shared;
+    for (std::size_t j = first + shared * node_stride_; j < last; j += node_stride_) nodes_.push_back(j);
+    if (begin == nodes_.size() || nodes_.back() != last) nodes_.push_back(last);
+    parts_.push_back({begin, nodes_.size() - begin});
+  };
+  if (members.empty()) keep(0, mesh.elements);
+  for (const auto& [first, last] : members) keep(first, last);
   for (const std::size_t j : nodes_) x_.push_back(nodal ? mesh.node(j) : 0.5 * (mesh.node(j) + mesh.node(j + 1)));
   last_.values.resize(nodes_.size());
 }
@@ -40,8 +63,8 @@ std::pair<std::vector<double>, std::vector<double>> ThinnedField::envelope() con
 }
 
 ReportData::ReportData(const Case& run, const BarSystem& system)
-    : field(system.mesh()),
-      stress(system.mesh(), ThinnedField::At::elements),
+    : field(system.mesh(), ThinnedField::At::nodes, nodes_of_members(run.scene, system.mesh())),
+      stress(system.mesh(), ThinnedField::At::elements, nodes_of_members(run.scene, system.mesh())),
       joints(system.joints().size()),
       readings(run.gauges.size()),
       system_(system),
@@ -88,7 +111,7 @@ void ReportData::add(const Snapshot& at) {
   span.reaction.add({at.time, at.reaction_span});
   for (std::size_t k = 0; k < std::min(joints.size(), at.joint_forces.size()); ++k) {
     const double force = at.joint_forces[k];
-    if (snapshots == 0 && force != 0.0) joints[k].closed_since = at.time;
+    if (snapshots == 0 && force != 0.0 && system_.joints()[k].contact) joints[k].closed_since = at.time;
     joints[k].reaction.add({at.time, force});
   }
   ++snapshots;

@@ -14,13 +14,15 @@
 namespace viscobar {
 
 /// A field over space and time as far as a picture shows it: every 2^k-th output time, k growing so that there
-/// are never more than 400 of them, and every stride-th place, at most 401 of them, the ends always among them. The
-/// last output time is kept, too.
+/// are never more than 400 of them, and every stride-th place, at most 401 of a bar, the ends of each member of a chain
+/// always among them. The last output time is kept, too.
 class ThinnedField {
  public:
   /// Places of values: the nodes of a mesh, or the middles of its elements.
   enum class At { nodes, elements };
-  explicit ThinnedField(const Mesh& mesh, At at = At::nodes);
+  /// @param members the first and the last node of each member of a chain
+  explicit ThinnedField(const Mesh& mesh, At at = At::nodes,
+                        const std::vector<std::pair<std::size_t, std::size_t>>& members = {});
 
   void add(double time, std::span<const double> values) {
     add_each(time, [&](std::size_t j) { return values[j]; });
@@ -39,6 +41,12 @@ class ThinnedField {
   std::vector<double> times() const;
   std::span<const double> row(std::size_t row) const { return at(row).values; }
   const std::vector<double>& x() const { return x_; }
+  /// The places kept of a member of a chain, or of the bar: of a rigid one its node, and no element.
+  struct Part {
+    std::size_t first, count;
+    std::size_t last() const { return first + count - 1; }
+  };
+  const std::vector<Part>& parts() const { return parts_; }
   plot::Range range() const;
   std::pair<std::vector<double>, std::vector<double>> envelope() const;
 
@@ -59,6 +67,7 @@ class ThinnedField {
 
   std::size_t node_stride_;
   std::vector<std::size_t> nodes_;
+  std::vector<Part> parts_;
   std::vector<double> x_;
   plot::Thinned<Row> kept_{most};
   Row last_;

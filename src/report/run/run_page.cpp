@@ -21,8 +21,6 @@ constexpr std::string_view whole_run = "<!--whole run-->";
 
 std::string seconds(double value) { return readable(value, 3) + " s"; }
 
-NumberText on_page(const Case& run) { return NumberText(NumberText::For::page, run.scene); }
-
 /// True if anything does work on the bar: a load, a force on an end, or what moves ends and obstacles.
 bool worked_on(const Scene& scene) {
   const auto drives = [](const EndInput& input) { return input.force || input.motion; };
@@ -61,7 +59,8 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
     all.add("Linear solves", statistics->linear_solves);
     all.add("Factorisations", statistics->matrix_factorisations);
     if (!system.contacts().empty())
-      all.add("Largest penetration", with(statistics->max_penetration, Dimension::length, 3));
+      all.add("Largest penetration",
+              with(above_rounding(statistics->max_penetration, data.field.range().largest()), Dimension::length, 3));
     if (const auto& energy = statistics->energy) {
       const auto add = [&](const char* what, double value, int digits = 4) {
         all.add(what, with(value, Dimension::energy, digits));
@@ -164,7 +163,7 @@ std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
   if (!estimate.runs.empty()) all.add("Runs for the estimate", estimate.runs.size());
   std::string list;
   for (const std::string& reason : estimate.reasons) list += fmt::format("<li>{}</li>\n", sentence_html(reason));
-  return all.html(how_far) + (list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list));
+  return section_html(how_far, all.list() + (list.empty() ? "" : fmt::format("<ul class=\"note\">\n{}</ul>\n", list)));
 }
 
 }  // namespace
@@ -208,7 +207,8 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
     page.add(sensitivities(run, data));
     page.add_data("field", field_json(data.field, colours));
     page.add_data("stress", field_json(data.stress, of_stress));
-    page.add_data("magnification", fmt::format("{}", axial_magnification(run, data)));
+    page.add_data("axial", axial_json(run, outcome, data));
+    page.add_data("units", units_json(run.scene.units));
     page.add_data("events", events_json(data, outcome.events));
     page.add_data("supports", supports_json(run.scene, outcome, data));
   }

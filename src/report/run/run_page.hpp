@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "report/number_text.hpp"
 #include "report/page.hpp"
 #include "report/run/run_data.hpp"
 #include "viscobar/results/outcome.hpp"
@@ -21,6 +22,8 @@ void tell_whole_run(Page& page, double wall_seconds);
 /// The estimate of a run's error as rows of a terminal's table, name and value.
 std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate);
 
+inline NumberText on_page(const Case& run) { return NumberText(NumberText::For::page, run.scene); }
+
 struct FieldColours {
   plot::ColourMap map;
   plot::Axis values;  ///< the ends of the scale
@@ -30,8 +33,8 @@ struct FieldColours {
   static constexpr plot::Colour touching = 0xe0218a;
 };
 
-/// Colours of a field. Values of two signs have a scale whose pale middle is zero.
-FieldColours colours_of(const ThinnedField& field, const std::string& label);
+/// Colours of a field. Values of two signs have a scale whose pale middle is zero, and so have all that are `about` it.
+FieldColours colours_of(const ThinnedField& field, const std::string& label, bool about_zero = false);
 
 plot::Axis time_axis(const ThinnedField& field, const Units& units);
 
@@ -48,7 +51,7 @@ std::vector<std::size_t> rows_of_few_times(const ThinnedField& field, std::size_
 struct TimeLine {
   std::vector<plot::Point> points;
   plot::Style style;
-  std::string_view name;
+  std::string name;
 };
 /// A line of what is known at the output times, and of each contact at its closing, its peak and its opening.
 std::vector<plot::Point> with_contacts(const std::vector<plot::Point>& line,
@@ -56,6 +59,9 @@ std::vector<plot::Point> with_contacts(const std::vector<plot::Point>& line,
                                        const std::function<double(double t, double reaction)>& value);
 /// Contacts of the end "left" or "right", up to the time that the run reached.
 std::vector<plot::Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data);
+/// Contacts of the joint of that number, from 1.
+std::vector<plot::Interval> contacts_of_joint(std::size_t number, const Scene& scene, const Outcome& outcome,
+                                              const ReportData& data);
 std::vector<plot::Interval> contacts_of_span(const Outcome& outcome, const ReportData& data);
 
 /// Lines over the time of the run, with zero in view.
@@ -77,10 +83,22 @@ Picture sensitivities(const Case& run, const ReportData& data);
 Picture stress_map(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data,
                    const FieldColours& colours);
 Picture end_tractions(const Case& run, const BarSystem& system, const Outcome& outcome, const ReportData& data);
-/// The points x + s u, s being axial_magnification(), in the colours of the stress, between the walls of the ends.
+/// The points x + s u in the colours of the stress, between the walls of the ends.
 Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& colours);
-/// By how much displacements are drawn larger along the bar: 1, 2 or 5 times a power of ten.
-double axial_magnification(const Case& run, const ReportData& data);
+/// Where the members of a chain, or a bar alone, are drawn along the axis: at x + magnification u + shift. Gaps of
+/// joints, magnified alike, and rigid bodies, as blocks of some width, shift what is to the right of them.
+struct AxialLayout {
+  struct Place {
+    bool rigid;
+    double shift;
+  };
+  double magnification, block;  ///< 1, 2 or 5 times a power of ten; the width of a rigid body
+  std::vector<Place> members{};
+
+  double left_shift() const { return members.front().shift; }
+  double right_shift() const { return members.back().shift + (members.back().rigid ? block : 0.0); }
+};
+AxialLayout axial_layout(const Case& run, const ReportData& data);
 
 // For the page's script, as JSON.
 
@@ -93,5 +111,10 @@ std::string events_json(const ReportData& data, std::size_t happened);
 /// reaction and that. An obstacle that moves has its surface at the
 /// times of the field.
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data);
+/// The layout of the bar along its axis: of each member its nodes and elements in the fields, and its shift; the joints
+/// that are contacts with their times in contact.
+std::string axial_json(const Case& run, const Outcome& outcome, const ReportData& data);
+/// Names of the units that the scene names, by quantity.
+std::string units_json(const Units& units);
 
 }  // namespace viscobar

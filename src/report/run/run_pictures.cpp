@@ -18,7 +18,11 @@ using plot::Interval;
 using plot::Point;
 using plot::Range;
 
-std::string obstacle_text(const ObstacleLevel& level) { return "obstacle " + readable(level.u); }
+std::string length_text(const Case& run, double value) { return on_page(run)(value, Dimension::length, 4); }
+std::string time_text(const Case& run, double value) { return "t = " + on_page(run)(value, Dimension::time, 4); }
+std::string obstacle_text(const Case& run, const ObstacleLevel& level) {
+  return "obstacle " + length_text(run, level.u);
+}
 
 std::string displacement_label(const Case& run, std::string_view words) {
   return with_unit(words, run.scene.units, Dimension::length);
@@ -58,7 +62,7 @@ Picture profiles(const Case& run, const ReportData& data) {
       if (range.reach(level.u))
         bodies.push_back({level, part});
       else
-        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, readable(level.u));
+        hidden += fmt::format(" The obstacle {} lies outside, at {}.", where, length_text(run, level.u));
   };
   for (const SceneEnd& end : ends_of(run.scene)) {
     const std::string where = fmt::format("at the {} end", end.name);
@@ -72,7 +76,7 @@ Picture profiles(const Case& run, const ReportData& data) {
     const bool near = with_it.reach(way.low) && with_it.reach(way.high);
     if (near) range = with_it, moves = true;
     hidden += fmt::format(" The obstacle {} moves{}, between {} and {}.", where, near ? "" : " outside",
-                          readable(way.low), readable(way.high));
+                          length_text(run, way.low), length_text(run, way.high));
   }
   place(levels_of(run.scene.span), {-depth, length + depth}, "of the span");
   // Room for what the script says of gap and reaction on the far side of the obstacles.
@@ -88,12 +92,18 @@ Picture profiles(const Case& run, const ReportData& data) {
   constexpr double thickness = 9.0;  // of the bar that the script draws
   figure.area(plot::points_of(field.x(), lowest), plot::points_of(field.x(), highest), thickness);
   for (const auto& [level, part] : bodies) figure.body(level.u, part, level.above);
+  for (std::size_t m = 1; m < field.parts().size(); ++m)
+    figure.marker_line(field.x()[field.parts()[m].first], {"var(--soft)", true, 1.0}, "");
   const std::vector<std::size_t> rows = rows_of_few_times(field, 6);
   figure.begin_still();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double part = rows.size() > 1 ? static_cast<double>(k) / static_cast<double>(rows.size() - 1) : 0.0;
-    figure.line(plot::points_of(field.x(), field.row(rows[k])), {plot::sequence_colour(part), false, 1.8},
-                "t = " + readable(field.time(rows[k])));
+    for (const ThinnedField::Part& member : field.parts())
+      if (member.count > 1)
+        figure.line(plot::points_of(std::span(field.x()).subspan(member.first, member.count),
+                                    field.row(rows[k]).subspan(member.first, member.count)),
+                    {plot::sequence_colour(part), false, 1.8},
+                    &member == &field.parts().front() ? time_text(run, field.time(rows[k])) : "");
   }
   figure.end_still();
   return {"The bar",
@@ -101,10 +111,10 @@ Picture profiles(const Case& run, const ReportData& data) {
               "<span class=\"still\">The bar's displacement <i>u</i>(<i>x</i>, ·) at a few times, from the "
               "first (light) to the last (dark).{0}</span><span class=\"live\">The bar at the time of the "
               "slider, its displacement drawn upwards and coloured as in its map.{1}</span> Shaded: where it "
-              "is during the run.{2}",
+              "is during the run.{2}{3}",
               bodies.empty() ? "" : " Grey: obstacles.",
               bodies.empty() && !moves ? "" : " Grey: obstacles, with the gap left and the reaction while in contact.",
-              hidden),
+              hidden, field.parts().size() > 1 ? " Upright dashes: joints." : ""),
           {{"bar", "Displacement over space at a few times", figure}}};
 }
 
@@ -129,12 +139,13 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     Figure figure(time_axis(data.field, run.scene.units), range.axis(displacement_label(run, label)), 220.0);
     if (body || run.scene.span)
       figure.shade(contacts_of(end.name, outcome, data), plot::series_colour(colour), "in contact");
-    for (const ObstacleLevel& level : shown) figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(level));
+    for (const ObstacleLevel& level : shown)
+      figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(run, level));
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     if (body && surface.empty() && shown.empty())
-      figure.legend_note(obstacle_text(levels_of(body).front()) + " (outside)");
+      figure.legend_note(obstacle_text(run, levels_of(body).front()) + " (outside)");
     for (const ObstacleLevel& level : span)
-      figure.level(level.u, {"var(--soft)", true, 1.2}, "span at " + readable(level.u));
+      figure.level(level.u, {"var(--soft)", true, 1.2}, "span at " + length_text(run, level.u));
     figure.line(points, {plot::series_colour(colour)}, label);
     panels.push_back({fmt::format("{}-end", end.name), "Displacement over time: " + label, figure});
   }
@@ -177,7 +188,7 @@ Picture gauges(const Case& run, const ReportData& data) {
   constexpr std::size_t most = 8;  // colours
   if (data.readings.size() > most) picture.caption += fmt::format(" The first {} are drawn.", most);
   std::vector<std::string> names;
-  for (const double x : run.gauges) names.push_back("x = " + readable(x));
+  for (const double x : run.gauges) names.push_back("x = " + length_text(run, x));
   std::vector<TimeLine> displacements, stresses;
   for (std::size_t k = 0; k < std::min(most, names.size()); ++k) {
     const plot::Style style{plot::series_colour(k)};
@@ -191,15 +202,34 @@ Picture gauges(const Case& run, const ReportData& data) {
   return picture;
 }
 
+namespace {
+
+const RunAccount* account_of(const Outcome& outcome) {
+  return outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+}
+
+}  // namespace
+
 std::vector<Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data) {
-  const auto* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  const RunAccount* account = account_of(outcome);
   const bool left = end == "left";
   const ContactPeak lasting = account ? (left ? account->left : account->right).latest : ContactPeak{};
   return (left ? data.left : data.right).in_contact(outcome.reached_time, lasting);
 }
 
+std::vector<Interval> contacts_of_joint(std::size_t number, const Scene& scene, const Outcome& outcome,
+                                        const ReportData& data) {
+  const RunAccount* account = account_of(outcome);
+  const bool known = account && number <= account->joints.size();
+  const auto before = std::span(scene.chain).first(number - 1);
+  const auto place =
+      std::ranges::count_if(before, [](const Member& member) { return member.joint.kind != JointKind::bonded; });
+  return data.joints[static_cast<std::size_t>(place)].in_contact(
+      outcome.reached_time, known ? account->joints[number - 1].latest : ContactPeak{});
+}
+
 std::vector<Interval> contacts_of_span(const Outcome& outcome, const ReportData& data) {
-  const auto* account = outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
+  const RunAccount* account = account_of(outcome);
   return data.span.in_contact(outcome.reached_time, account ? account->span.latest : ContactPeak{});
 }
 
@@ -219,7 +249,7 @@ std::vector<Point> with_contacts(const std::vector<Point>& line, const std::vect
 Picture reactions(const Case& run, const Outcome& outcome, const ReportData& data) {
   std::vector<TimeLine> lines;
   const auto add = [&](const ReportData::End& trace, const std::vector<Interval>& contacts, plot::Style style,
-                       std::string_view name) {
+                       const char* name) {
     lines.push_back(
         {with_contacts(trace.reaction.points(), contacts, [](double, double r) { return r; }), std::move(style), name});
   };
@@ -242,23 +272,23 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
 }
 
 Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& data) {
-  std::vector<std::string> names;
-  for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
-    if (run.scene.chain[k - 1].joint.kind != JointKind::bonded) names.push_back(fmt::format("joint {}", k));
-  if (names.empty()) return {};
   std::vector<TimeLine> lines;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const ReportData::End& joint = data.joints[k];
-    lines.push_back({with_contacts(joint.reaction.points(), joint.in_contact(outcome.reached_time, {}),
-                                   [](double, double r) { return r; }),
-                     {plot::series_colour(k), k % 2 == 1, 1.8},
-                     names[k]});
+  for (std::size_t number = 1; number < run.scene.chain.size(); ++number) {
+    const JointKind kind = run.scene.chain[number - 1].joint.kind;
+    if (kind == JointKind::bonded) continue;
+    const std::size_t k = lines.size();
+    std::vector<Point> points = data.joints[k].reaction.points();
+    if (kind == JointKind::contact)
+      points = with_contacts(points, contacts_of_joint(number, run.scene, outcome, data),
+                             [](double, double n) { return n; });
+    lines.push_back({std::move(points), {plot::series_colour(k), k % 2 == 1, 1.8}, fmt::format("joint {}", number)});
   }
+  if (lines.empty()) return {};
   const std::string axis = with_unit("force N", run.scene.units, Dimension::force);
   return {
       "Forces at joints",
-      "Force that pushes the two sides of a joint apart, at the output times, and nothing where a contact closes or "
-      "opens. The table of contacts has impulses and peaks, which do not depend on the output times.",
+      "Force that pushes the two sides of a joint apart, at the output times, and of each contact at its closing, its "
+      "peak and its opening.",
       {{"joints", "Forces at joints over time", over_time(run, data, axis, 240.0, lines)}}};
 }
 

@@ -11,6 +11,7 @@
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "scene/end_kinds.hpp"
+#include "scene/unit_names.hpp"
 #include "text/joined.hpp"
 #include "text/json_text.hpp"
 
@@ -100,6 +101,37 @@ std::string supports_json(const Scene& scene, const Outcome& outcome, const Repo
     text += fmt::format(R"(,"span":{{"side":"{}"{}{})", name(scene.span->side), sides_json(*scene.span),
                         contacts_json(contacts_of_span(outcome, data)));
   return text + '}';
+}
+
+std::string axial_json(const Case& run, const Outcome& outcome, const ReportData& data) {
+  const AxialLayout layout = axial_layout(run, data);
+  const auto places = [](const ThinnedField::Part& part) { return fmt::format("[{},{}]", part.first, part.last()); };
+  std::string members, joints;
+  for (std::size_t m = 0; m < layout.members.size(); ++m) {
+    const auto& [rigid, shift] = layout.members[m];
+    members += fmt::format(R"({}{{"nodes":{},{}"shift":{:.9g}}})", m > 0 ? "," : "", places(data.field.parts()[m]),
+                           rigid ? "" : fmt::format(R"("elements":{},)", places(data.stress.parts()[m])), shift);
+    if (m == 0) continue;
+    const JointKind kind = run.scene.chain[m - 1].joint.kind;
+    joints +=
+        fmt::format(R"({}{{"kind":"{}"{})", m > 1 ? "," : "", name(kind),
+                    kind == JointKind::contact ? contacts_json(contacts_of_joint(m, run.scene, outcome, data)) : "}");
+  }
+  return fmt::format(R"({{"magnification":{},"block":{:.9g},"members":[{}],"joints":[{}]}})", layout.magnification,
+                     layout.block, members, joints);
+}
+
+std::string units_json(const Units& units) {
+  constexpr std::pair<const char*, Dimension> quantities[] = {{"length", Dimension::length},
+                                                              {"time", Dimension::time},
+                                                              {"velocity", Dimension::velocity},
+                                                              {"stress", Dimension::stress},
+                                                              {"force", Dimension::force}};
+  std::string all;
+  for (const auto& [quantity, dimension] : quantities)
+    all += fmt::format(R"({}"{}":{})", all.empty() ? "" : ",", quantity,
+                       json_string(squares(unit_name(units, dimension))));
+  return "{" + all + "}";
 }
 
 }  // namespace viscobar

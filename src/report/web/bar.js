@@ -42,15 +42,22 @@ const words = (text, x, y, leftwards) => svgElement("text", { class: "said", x, 
 class BarPicture {
   static thickness = 9;
 
-  /// @param supports what holds the ends and the span @param reactions functions of time, or null: {left, right}
-  constructor(field, supports, reactions) { Object.assign(this, { field, supports, reactions }); }
+  /// @param members of a chain, or the bar @param supports what holds the ends and the span
+  /// @param reactions functions of time, or null: {left, right}
+  constructor(field, members, supports, reactions) { Object.assign(this, { field, members, supports, reactions }); }
 
   draw(chart, time) {
     const { field } = this, { x } = field, profile = field.profile(time), { span } = this.supports;
     const corners = (lift, order) => order.map((j) => `${chart.px(x[j]).toFixed(2)} ${(chart.py(profile[j]) - lift).toFixed(2)}`);
-    const along = [...x.keys()], outline = [...corners(0, along), ...corners(BarPicture.thickness, along.reverse())];
     const [fill, shades] = shadesAlong("bar-shades", chart.px(x[0]), chart.px(x.at(-1)), x.length, (j) => chart.px(x[j]), (j) => field.shade(profile[j]));
-    return [shades, pathOf("solid", `M${outline.join("L")}z`, fill), ...this.touching(chart, profile),
+    const member = ({ nodes: [first, last] }) => {
+      if (first === last)
+        return svgElement("rect", { class: "solid rigid", x: chart.px(x[first]) - 5, y: chart.py(profile[first]) - BarPicture.thickness - 3, width: 10, height: BarPicture.thickness + 6 });
+      const along = Array.from({ length: last - first + 1 }, (_, k) => first + k), outline = [...corners(0, along), ...corners(BarPicture.thickness, along.reverse())];
+      return pathOf("solid", `M${outline.join("L")}z`, fill);
+    };
+    return [shades, ...this.members.filter(({ nodes }) => nodes[0] < nodes[1]).map(member),
+      ...this.members.filter(({ nodes }) => nodes[0] === nodes[1]).map(member), ...this.touching(chart, profile),
       ...(span ? (span.side === "both" ? [1, -1] : [signOf(span)]).flatMap((sign) => this.spanGap(chart, profile, sign)) : []),
       ...["left", "right"].flatMap((side) => this.end(chart, side, profile, time))];
   }
@@ -68,6 +75,7 @@ class BarPicture {
     return [...(stretches.length > 0 ? [pathOf("touched", stretches.join(""))] : []), ...dots];
   }
 
+  length(value) { return withUnit(this.field.known(value), "length", 3); }
   inView(chart, surface) { return surface > chart.frame.top && surface < chart.frame.top + chart.frame.height; }
 
   /// Where the bar is nearest to the obstacle along its span.
@@ -77,7 +85,7 @@ class BarPicture {
     if (this.field.touches(profile[least]) || !this.inView(chart, surface)) return [];
     const inLeftHalf = 2 * least < x.length;
     return [...doubleArrow(at, chart.py(profile[least]), surface),
-      words(`gap ${readable(sign * profile[least] + gap, 3)}`, at + (inLeftHalf ? 12 : -12), surface + sign * 26, !inLeftHalf)];
+      words(`gap ${this.length(sign * profile[least] + gap)}`, at + (inLeftHalf ? 12 : -12), surface + sign * 26, !inLeftHalf)];
   }
 
   end(chart, side, profile, time) {
@@ -100,39 +108,64 @@ class BarPicture {
       const inner = x.findIndex((position) => chart.px(position) >= at + 70 * outwards);
       const level = inner >= 0 && chart.py(profile[inner]) > surface + 6 ? -20 : 26;
       nodes.push(arrow("force", at, surface + sign * (16 + (force.most > 0 ? (46 * size) / force.most : 0)), surface + sign * 4),
-        words(`${chart.frame.width < 400 ? "" : "in contact, "}R = ${readable(sign * size, 3)}`, at + 12 * outwards, surface + sign * level, isRight));
+        words(`${chart.frame.width < 400 ? "" : "in contact, "}R = ${withUnit(sign * size, "force", 3)}`, at + 12 * outwards, surface + sign * level, isRight));
     } else if (this.inView(chart, surface)) {
-      nodes.push(...doubleArrow(at, foot, surface), words(`gap ${readable(sign * u + gap, 3)}`, at + 12 * outwards, surface + sign * 26, isRight));
+      nodes.push(...doubleArrow(at, foot, surface), words(`gap ${this.length(sign * u + gap)}`, at + 12 * outwards, surface + sign * 26, isRight));
     }
     return nodes;
   }
 }
 
-/// The bar as it lies, its points at x + s u between its walls, coloured by the stress.
+/// The bar, or bars in line, as they lie, their points at x + s u between the walls, coloured by the stress. The gaps of
+/// joints and rigid bodies, which are blocks, shift what is to the right of them.
 class AxialPicture {
   static thickness = 44;
 
-  constructor(field, stress, supports, magnification) { Object.assign(this, { field, stress, supports, magnification }); }
+  /// @param layout what axial_json() of report/run/run_page.hpp writes
+  constructor(field, stress, supports, layout) { Object.assign(this, { field, stress, supports, ...layout }); }
 
   draw(chart, time) {
-    const { field, stress, magnification: s } = this, { x } = field, u = field.profile(time), values = stress.profile(time);
+    const { field, stress, members, joints, block } = this, u = field.profile(time), values = stress.profile(time);
     const { top, height } = chart.frame, half = AxialPicture.thickness / 2, middle = top + height / 2, upper = middle - half;
-    const place = (at) => chart.px(at + s * Field.interpolated(x, u, at)), nodes = [];
-    const ends = [["left", x[0]], ["right", x.at(-1)]].map(([side, at]) => ({ support: this.supports[side], side, rest: at, at: place(at) }));
+    const lying = members.map((member) => this.lying(chart, member, u)), nodes = [];
+    const ends = ["left", "right"].map((side) => {
+      const right = side === "right", member = members.at(right ? -1 : 0), rest = field.x.at(right ? -1 : 0) + member.shift;
+      return { support: this.supports[side], side, rest: rest + (right && !member.elements ? block : 0), at: lying.at(right ? -1 : 0)[side] };
+    });
     for (const { support, side, rest } of ends) {
       if (!support.surface) continue;
-      const wall = chart.px(rest + s * surfaceAt(support, field, time)), right = Boolean(support.above), open = right !== (side === "right");
+      const wall = chart.px(rest + this.magnification * surfaceAt(support, field, time)), right = Boolean(support.above), open = right !== (side === "right");
       nodes.push(hatched(right ? wall : wall - 12, top, 12, height), pathOf(open ? "surface open" : "surface", `M${wall} ${top}v${height}`));
     }
-    const [left, right] = ends.map(({ at }) => at), size = Math.max(right - left, 1e-9);
-    const [fill, shades] = shadesAlong("axial-shades", left, left + size, values.length, (j) => place(stress.x[j]), (j) => stress.shade(values[j]));
-    // Sections at equal distances of the bar at rest.
-    const sections = Array.from({ length: 19 }, (_, k) => `M${place(x[0] + ((x.at(-1) - x[0]) * (k + 1)) / 20)} ${upper}v${2 * half}`);
-    nodes.push(shades, svgElement("rect", { class: "solid", style: fill, x: left, y: upper, width: size, height: 2 * half }), pathOf("sections", sections.join("")));
+    const shape = { y: upper, height: 2 * half };
+    members.forEach(({ elements }, m) => {
+      const { left, right, place } = lying[m], width = Math.max(right - left, 1e-9);
+      if (!elements) return nodes.push(svgElement("rect", { class: "solid rigid", x: left, width, ...shape }));
+      const [fill, shades] = shadesAlong(`axial-shades-${m}`, left, left + width, elements[1] - elements[0] + 1,
+        (j) => place(stress.x[elements[0] + j]), (j) => stress.shade(values[elements[0] + j]));
+      nodes.push(shades, svgElement("rect", { class: "solid", style: fill, x: left, width, ...shape }));
+    });
+    // Sections at equal distances of a bar at rest; in a chain they would look like joints.
+    const [begin, end] = [field.x[0], field.x.at(-1)];
+    const sections = Array.from({ length: members.length === 1 ? 19 : 0 }, (_, k) => `M${lying[0].place(begin + ((end - begin) * (k + 1)) / 20)} ${upper}v${2 * half}`);
+    nodes.push(pathOf("sections", sections.join("")));
+    joints.forEach(({ contact }, k) => {
+      const at = 0.5 * (lying[k].right + lying[k + 1].left);
+      if (inParts(contact, time)) nodes.push(svgElement("rect", { class: "touching", x: at - 2.5, width: 5, ...shape }));
+      nodes.push(pathOf("joint", `M${at} ${upper - 7}v${2 * half + 14}`));
+    });
     for (const { support, at } of ends) {
       const kind = support.kind === "fixed" ? "held" : inParts(support.contact, time) ? "touching" : null;
-      if (kind) nodes.push(svgElement("rect", { class: kind, x: at - 2.5, y: upper, width: 5, height: 2 * half }));
+      if (kind) nodes.push(svgElement("rect", { class: kind, x: at - 2.5, width: 5, ...shape }));
     }
     return nodes;
+  }
+
+  /// Where a member lies: its faces, and the place of what is at x at rest.
+  lying(chart, { nodes: [first, last], shift, elements }, u) {
+    const { x } = this.field, at = (node) => x[node] + this.magnification * u[node];
+    const xs = x.slice(first, last + 1), places = xs.map((_, k) => at(first + k));
+    return { left: chart.px(shift + at(first)), right: chart.px(shift + at(last) + (elements ? 0 : this.block)),
+      place: (position) => chart.px(shift + Field.interpolated(xs, places, position)) };
   }
 }

@@ -58,6 +58,8 @@ function toggleTheme() {
   dataset.theme = dark ? "light" : "dark";
 }
 
+const themeButton = () => iconButton("theme", "Light or dark", toggleTheme);
+
 /// Buttons that zoom shared axes, show the whole again, and turn light to dark.
 function viewButtons(links, showAll) {
   const reset = element("button", { type: "button", textContent: "Reset", title: "Show the whole of every picture" });
@@ -67,5 +69,5 @@ function viewButtons(links, showAll) {
     iconButton("in", "Zoom in (+)", () => links.forEach((link) => link.zoom(0.5, link.place))),
     iconButton("left", "Move the view to the left", () => links.forEach((link) => link.pan(-0.25))),
     iconButton("right", "Move the view to the right", () => links.forEach((link) => link.pan(0.25)))];
-  return [...zoom, reset, iconButton("theme", "Light or dark", toggleTheme)];
+  return [...zoom, reset, themeButton()];
 }

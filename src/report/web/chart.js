@@ -3,7 +3,7 @@
 
 class Chart {
   static margin = { left: 80, right: 22, top: 12, bottom: 46 };
-  static narrow = { left: 64, right: 20, top: 12, bottom: 46 };
+  static narrow = { left: 64, right: 20 };
 
   /// @param panel holds the SVG, which stays as it is for print @param links Link by name @param dragY whether dragging upwards
   /// zooms, too
@@ -19,6 +19,7 @@ class Chart {
     this.height = Number(still.dataset.height ?? still.viewBox.baseVal.height);
     this.tall = this.height - Chart.margin.top - Chart.margin.bottom;
     this.drawn = { left, top, width, height, x: new Scale(this.x, left, left + width), y: new Scale(this.y, top + height, top) };
+    if (this.y.rows) this.space = this.tall / (this.y.rows.length + 1);  // each of them has its name
     // One that is lower than it was drawn shows the top of it.
     if (this.y.bare) this.y.low = this.drawn.y.value(top + this.tall);
     this.link = { x: this.linkOf(this.x, links), y: this.linkOf(this.y, links) };
@@ -45,28 +46,35 @@ class Chart {
 
   /// Takes the width that there is.
   layout() {
-    const whole = Math.max(240, Math.floor(this.host.clientWidth)), { left, right, top } = whole < 560 ? Chart.narrow : Chart.margin;
-    const frame = (this.frame = { left, top, width: whole - left - right, height: this.tall });
-    this.width = whole;
-    setAttributes(this.svg, { viewBox: `0 0 ${whole} ${this.height}`, width: whole, height: this.height });
-    for (const part of [this.inner, this.overlay]) setAttributes(part, { x: left, y: top, width: frame.width, height: frame.height });
+    this.width = Math.max(240, Math.floor(this.host.clientWidth));
+    setAttributes(this.svg, { viewBox: `0 0 ${this.width} ${this.height}`, width: this.width, height: this.height });
     setAttributes(this.inner, { preserveAspectRatio: "none" });
+    this.show();
+  }
+
+  /// Where the frame is, with room for the labels of an axis upwards.
+  place(upwards) {
+    const margin = { ...Chart.margin, ...(this.width < 560 && Chart.narrow) }, { right, top } = margin;
+    const left = upwards ? Math.max(margin.left, roomBeside(upwards, this.space)) : margin.left;
+    const frame = (this.frame = { left, top, width: this.width - left - right, height: this.tall });
+    for (const part of [this.inner, this.overlay]) setAttributes(part, { x: left, y: top, width: frame.width, height: frame.height });
     setAttributes(this.overlay, { viewBox: `${left} ${top} ${frame.width} ${frame.height}` });
     for (const key of ["left", "top", "width", "height"]) this.over.style[key] = `${frame[key]}px`;
-    this.show();
   }
 
   /// Draws the part of the axes that is in view.
   show() {
-    const { frame, drawn, x, y } = this, [low, high] = this.seen("x"), [down, up] = this.seen("y");
-    this.view = {
-      x: new Scale({ ...x, low, high }, frame.left, frame.left + frame.width),
-      y: new Scale({ ...y, low: down, high: up }, frame.top + frame.height, frame.top) };
-    const [left, right, top, bottom] = [drawn.x.at(low), drawn.x.at(high), drawn.y.at(up), drawn.y.at(down)];
-    setAttributes(this.inner, { viewBox: `${left} ${top} ${right - left} ${bottom - top}` });
-    const across = (right - left) / frame.width, upwards = (bottom - top) / frame.height;
-    for (const [node, at, level] of this.fixed) setAttributes(node, { transform: `translate(${at} ${level}) scale(${across} ${upwards})` });
-    const axes = axesOf(frame, x.bare ? null : this.view.x, y.bare ? null : this.view.y, x.label, y.label);
+    const { drawn, x, y } = this, [low, high] = this.seen("x"), [down, up] = this.seen("y"), { top } = Chart.margin;
+    const upwards = new Scale({ ...y, low: down, high: up }, top + this.tall, top);
+    const labelled = y.rows ? new WordScale(y.rows, top, top + this.tall) : y.bare ? null : upwards;
+    this.place(labelled);
+    const { frame } = this;
+    this.view = { x: new Scale({ ...x, low, high }, frame.left, frame.left + frame.width), y: upwards };
+    const [left, right, upper, lower] = [drawn.x.at(low), drawn.x.at(high), drawn.y.at(up), drawn.y.at(down)];
+    setAttributes(this.inner, { viewBox: `${left} ${upper} ${right - left} ${lower - upper}` });
+    const across = (right - left) / frame.width, along = (lower - upper) / frame.height;
+    for (const [node, at, level] of this.fixed) setAttributes(node, { transform: `translate(${at} ${level}) scale(${across} ${along})` });
+    const axes = axesOf(frame, x.bare ? null : this.view.x, labelled, x.label, y.label, this.space);
     this.axes.grid.replaceWith(axes.grid);
     this.axes.edge.replaceWith(axes.edge);
     this.axes = axes;

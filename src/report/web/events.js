@@ -21,8 +21,8 @@ class Events {
     return where === "joint" ? `joint ${number}` : `node ${number} of the span`;
   }
   static words(event) {
-    return `t = ${readable(event.time, 8)}: ${Events.name(event)} ${event.closes ? "closes" : "opens"}, ` +
-      `velocity ${readable(event.velocity)}`;
+    return `t = ${withUnit(event.time, "time", 8)}: ${Events.name(event)} ${event.closes ? "closes" : "opens"}, ` +
+      `velocity ${withUnit(event.velocity, "velocity")}`;
   }
 
   /// The first one after, or the last one before, a time.
@@ -64,11 +64,11 @@ class Events {
 
   /// A table of all of them in place of the page's own; arrow keys move, Enter and a click jump there.
   table(section, jump) {
-    const table = tableOf(["time", "where", "change", "velocity"], this.list.map((event) => ({
+    const table = tableOf([headed("time", "time"), "where", "change", headed("velocity", "velocity")], this.list.map((event) => ({
       texts: [readable(event.time, 8), Events.name(event), event.closes ? "closes" : "opens", readable(event.velocity)],
       action: () => jump(event) })), ["", "word", "word", ""]);
     table.ariaLabel = "Contact changes";
-    const scroller = element("div", { className: "live scroller" }, table), body = table.tBodies[0], rows = [...body.rows];
+    const scroller = element("div", { className: "live tables scroller" }, table), body = table.tBodies[0], rows = [...body.rows];
     rows.forEach((row, i) => { row.tabIndex = i === 0 ? 0 : -1; });
     body.addEventListener("keydown", (event) => {
       const at = rows.indexOf(event.target);

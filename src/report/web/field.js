@@ -7,7 +7,8 @@ class Field {
     this.u = new Float64Array(bytes.length / 2);
     for (let i = 0; i < this.u.length; ++i) this.u[i] = low + ((high - low) * (bytes[2 * i] + 256 * bytes[2 * i + 1])) / 65535;
     // The field is rounded, so what touches may lie half a step above.
-    const slack = (0.75 * (high - low)) / 65535;
+    this.step = (high - low) / 65535;
+    const slack = 0.75 * this.step;
     this.contactUpTo = (colours.contactUpTo ?? -Infinity) + slack;
     this.contactFrom = (colours.contactFrom ?? Infinity) - slack;
   }
@@ -38,6 +39,12 @@ class Field {
   }
   value(time, x) { return Field.interpolated(this.x, this.profile(time), x); }
 
+  /// A value, or a difference of one, to the digits that it has: what is below the rounding is 0.
+  known(value) {
+    if (!(this.step > 0)) return value;
+    const unit = 10 ** Math.floor(Math.log10(this.step));
+    return Math.abs(value) <= this.step ? 0 : Number((Math.round(value / unit) * unit).toPrecision(12));
+  }
   /// True of a displacement in contact with the span obstacle.
   touches(u) { return u <= this.contactUpTo || u >= this.contactFrom; }
   /// The colour of a value, as in the map.

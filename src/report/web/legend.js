@@ -40,9 +40,8 @@ function scaleOf(scale) {
   const ramp = svgElement("svg", { class: "ramp", viewBox: "0 0 180 11", preserveAspectRatio: "none", "aria-hidden": "true" });
   const rect = svgElement("rect", { width: 11, height: 180, transform: "translate(180 0) rotate(90)", style: scale.querySelector("rect").getAttribute("style") });
   ramp.append(rect);
-  const { low, high } = scale.dataset;
-  return [element("span", { className: "scale", textContent: `${scale.dataset.name} from ${readable(Number(low), 3)}` }), ramp,
-    element("span", { textContent: `to ${readable(Number(high), 3)}` })];
+  const { name, low, high, unit } = scale.dataset, end = (value) => `${readable(Number(value), 3)}${unit ? `\u00a0${unit}` : ""}`;
+  return [element("span", { className: "scale", textContent: `${name} from ${end(low)}` }), ramp, element("span", { textContent: `to ${end(high)}` })];
 }
 
 /// The numbers of the nearest point, by mouse or by arrow keys: for pictures of few points.

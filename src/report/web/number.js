@@ -12,18 +12,25 @@ function readable(value, digits = 5) {
     return withTrueMinus(String(Number(value.toPrecision(Math.max(digits, Math.floor(Math.log10(size)) + 1)))));
   const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
   const short = String(Number(mantissa)), power = powerOfTen(Number(exponent));
-  return short === "1" ? power : withTrueMinus(short) + "\u2009×\u2009" + power;
+  return short === "1" ? power : withTrueMinus(short) + "\u202f×\u202f" + power;
 }
+
+/// Units that the scene of the page names, by quantity.
+const units = {};
+function withUnit(value, quantity, digits) {
+  return units[quantity] ? `${readable(value, digits)}\u00a0${units[quantity]}` : readable(value, digits);
+}
+
+/// A heading with the unit of a quantity.
+const headed = (words, quantity) => (units[quantity] ? `${words} [${units[quantity]}]` : words);
 
 /// Steps between ticks: 1, 2 or 5 times a power of ten.
 const tickSteps = Array.from({ length: 600 }, (_, i) => 10 ** (Math.floor(i / 3) - 100) * [1, 2, 5][i % 3]);
 
-/// Labels of ticks a step apart.
-function linearLabels(values, step) {
-  const largest = Math.max(...values.map(Math.abs));
-  if (largest >= 1e5 || largest < 1e-2) return values.map((value) => readable(Math.abs(value) < 1e-9 * step ? 0 : value, 4));
-  const decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
-  return values.map((value) => withTrueMinus((Math.abs(value) < 1e-9 * step ? 0 : value).toFixed(decimals)));
+/// Labels of ticks a step apart, without the factor 10^exponent that they share.
+function linearLabels(values, step, exponent) {
+  const factor = 10 ** -exponent, decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step * factor) - 1e-9)));
+  return values.map((value) => withTrueMinus((Math.abs(value) < 1e-9 * step ? 0 : value * factor).toFixed(decimals)));
 }
 
 /// Decades, and their multiples where at most `most` decades leave room.

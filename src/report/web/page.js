@@ -5,6 +5,7 @@ const resetAll = () => charts.forEach((chart) => chart.reset());
 
 function startPage() {
   const data = JSON.parse(document.getElementById("data")?.textContent ?? "{}");
+  Object.assign(units, data.units);
   if (data.sweep) {
     window.viscobar = { sweep: new SweepPage(data.sweep, document.getElementById("sweep")) };
     return;
@@ -29,8 +30,8 @@ function startPage() {
 function startRun(page, data) {
   const { links, field, stress } = page, events = new Events(data.events);
   links.t.rest = field.t[0];
-  const bar = new BarPicture(field, data.supports, { left: reactionOf("left end"), right: reactionOf("right end") });
-  const axial = new AxialPicture(field, stress, data.supports, data.magnification);
+  const bar = new BarPicture(field, data.axial.members, data.supports, { left: reactionOf("left end"), right: reactionOf("right end") });
+  const axial = new AxialPicture(field, stress, data.supports, data.axial);
   for (const [name, moving] of [["bar", bar], ["axial", axial]]) {
     const chart = charts.get(name);
     chart.painters.push(() => moving.draw(chart, links.t.place));
@@ -56,9 +57,9 @@ function startRun(page, data) {
   }
   const legendOf = (name) => charts.get(name).host.previousElementSibling;
   legendOf("axial").append(...scaleOf(charts.get("stress").legend.querySelector(".scale")));
-  addReadout(legendOf("displacement"), "u", field, links);
-  addReadout(legendOf("stress"), "s", stress, links);
-  addReadout(legendOf("bar"), "u", field, links);
+  addReadout(legendOf("displacement"), "u", "length", field, links);
+  addReadout(legendOf("stress"), "s", "stress", stress, links);
+  addReadout(legendOf("bar"), "u", "length", field, links);
   const section = document.getElementById("events");
   if (section) events.table(section, (event) => player.jump(event));
   document.querySelector("footer").before(element("p", { className: "live note", textContent:
@@ -98,13 +99,13 @@ function reactionOf(key) {
 }
 
 /// The value of a field where the pointer is.
-function addReadout(node, name, field, links) {
+function addReadout(node, name, quantity, field, links) {
   const value = element("span", { className: "value" }), [begin, end] = links.x.bounds;
   node.append(value);
   const read = () => {
     const t = links.t.place, x = links.x.pointed;
     value.textContent = x === null || x < begin || x > end ? "\u00a0" :
-      `${name}(${readable(x, 4)}, ${readable(t, 4)}) = ${readable(field.value(t, x), 4)}`;
+      `${name}(${readable(x, 4)}, ${readable(t, 4)}) = ${withUnit(field.known(field.value(t, x)), quantity, 4)}`;
   };
   links.t.onPlace.add(read);
   links.x.onPlace.add(read);

@@ -61,9 +61,9 @@ class Player {
   show() {
     this.slider.value = this.time;
     const pointed = this.link.pointed;
-    this.clock.textContent = `t = ${readable(pointed ?? this.time, 6)}`;
+    this.clock.textContent = `t = ${withUnit(pointed ?? this.time, "time", 6)}`;
     this.clock.classList.toggle("pointed", pointed !== null);
-    this.slider.setAttribute("aria-valuetext", `t = ${readable(this.time, 6)}`);
+    this.slider.setAttribute("aria-valuetext", `t = ${withUnit(this.time, "time", 6)}`);
     const { chosen } = this.events;
     this.detail.textContent = chosen ? Events.words(chosen) : "";
   }

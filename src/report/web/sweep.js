@@ -10,16 +10,6 @@ function spreadOf(values, log) {
   return { low: low - room, high: high + room };
 }
 
-/// An axis of places without numbers.
-class WordScale {
-  constructor(words, from, to) { Object.assign(this, { words, from, to }); }
-  at(index) { return this.from + ((index + 0.5) / this.words.length) * (this.to - this.from); }
-  ticks(space) {
-    const most = Math.max(2, Math.floor(Math.abs(this.to - this.from) / space)), stride = Math.ceil(this.words.length / most);
-    return this.words.map((word, i) => [this.at(i), word]).filter((_, i) => i % stride === 0);
-  }
-}
-
 /// True of values that ask for a logarithmic axis: positive, over more than a decade and a half.
 const isGeometric = (values) => {
   const numbers = values.filter((value) => typeof value === "number");
@@ -76,7 +66,8 @@ class SweepPage {
           controls.push(this.select(name, values.map((value, i) => [i, this.valueText(value)]), state.filters[place],
             (value) => { state.filters[place] = Number(value); }));
     }
-    controls.push(this.select("scale", [["", "linear"], ["1", "logarithmic"]], state.log ? "1" : "", (value) => { state.log = value === "1"; }));
+    controls.push(this.select("scale", [["", "linear"], ["1", "logarithmic"]], state.log ? "1" : "", (value) => { state.log = value === "1"; }),
+      element("span", { className: "space" }), themeButton());
     this.picture = element("div", { className: "sweep" });
     this.meaning = element("p", { className: "note" });
     this.detail = element("div", { className: "case", ariaLive: "polite" });
@@ -118,15 +109,16 @@ class SweepPage {
 
   drawLines(svg, points, column) {
     const { data, state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
-    const right = this.width - (second ? 0.1 * this.width + 84 : 20), x = this.axisOf(key, 92, right);
+    const right = this.width - (second ? 0.1 * this.width + 84 : 20);
     const y = new Scale(spreadOf(points.map(({ value }) => value), state.log), SweepPage.height - 56, 14);
+    const x = this.axisOf(key, Math.max(72, roomBeside(y)), right);
     this.frame(svg, x, y, key.label, column.label);
     const of = (index) => points.filter((point) => point.second === index);
     const count = second ? second.values.length : 1;
     for (let k = 0; k < count; ++k) {
       const own = of(k).filter(({ value }) => value !== null && (!state.log || value > 0))
         .sort((a, b) => this.placeOn(x, key, a.x) - this.placeOn(x, key, b.x));
-      const css = `var(--series-${k % 8})`, dash = data.dashes[k % data.dashes.length], marker = data.markers[k % data.markers.length];
+      const css = `var(--series-${k % 10})`, dash = data.dashes[k % data.dashes.length], marker = data.markers[k % data.markers.length];
       const places = own.map((point) => [this.placeOn(x, key, point.x), y.at(point.value)]);
       if (key.numeric && places.length > 1)
         svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${places.map((place) => place.map((v) => v.toFixed(1)).join(" ")).join("L")}` }));
@@ -156,7 +148,7 @@ class SweepPage {
   drawMap(svg, points, column) {
     const { state, keys, data } = this, key = keys[state.x], second = keys[state.second];
     const [top, bottom] = [14, SweepPage.height - 56];
-    const x = this.wordsOf(key, 92, this.width - 110), y = this.wordsOf(second, bottom, top);
+    const y = this.wordsOf(second, bottom, top), x = this.wordsOf(key, Math.max(72, roomBeside(y)), this.width - 110);
     const scale = new Scale(spreadOf(points.map(({ value }) => value), state.log), 0, 1);
     const shade = (part) => `rgb(${mixed(data.anchors, Math.min(1, Math.max(0, part)))})`;
     const width = Math.abs(x.at(1) - x.at(0)), height = Math.abs(y.at(1) - y.at(0));
@@ -169,7 +161,9 @@ class SweepPage {
     const steps = 60;
     for (let k = 0; k < steps; ++k)
       svg.append(svgElement("rect", { x: this.width - 96, width: 16, y: top + ((bottom - top) * k) / steps, height: (bottom - top) / steps + 0.5, style: `fill:${shade(1 - (k + 0.5) / steps)}` }));
-    for (const [at, label] of new Scale(scale, bottom, top).ticks(34)) svg.append(svgElement("text", { x: this.width - 74, y: at, dy: ".35em" }, label));
+    const values = new Scale(scale, bottom, top);
+    for (const [at, label] of values.ticks(upwardSpace)) svg.append(svgElement("text", { x: this.width - 74, y: at, dy: ".35em" }, label));
+    if (values.exponent) svg.append(svgElement("text", { class: "note", x: this.width - 96, y: bottom + 18 }, `/ ${powerOfTen(values.exponent)}`));
   }
 
   choose(row) {
