@@ -246,7 +246,7 @@ every = 6.0
   EXPECT_NEAR(trace.statistics.energy->balance_error(), 0.0, 200 * 1e-6 * trace.statistics.energy->work);
 }
 
-// A first step as long as the run would leave its matrix no digit of the inertia.
+// A step as long as the run would leave its matrix no digit of the inertia; one of 1e6 ways of a wave does.
 TEST(Rigid, RunsAsLongAsItIsAskedTo) {
   Scene scene;
   scene.bar.viscosity = 0.01;
@@ -255,7 +255,7 @@ TEST(Rigid, RunsAsLongAsItIsAskedTo) {
   scene.velocity = [](double) { return 0.0; };
   const RunTrace run = record(BarSystem(scene, {1.0, 27}, Mass::fourth_order), std::vector{0.0, 1e9}, Rigid{});
   EXPECT_EQ(run.statistics.reached_time, 1e9);
-  EXPECT_LT(run.statistics.steps, 1000u);
+  EXPECT_LT(run.statistics.steps, 2000u);
 }
 
 // The front of the kink, which stops the left end, arrives at t = 2.6.

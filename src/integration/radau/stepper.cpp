@@ -24,8 +24,13 @@ namespace {
 // The error estimate is one of h^8.
 constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
 constexpr double worth_a_factor = 1.25;    // growth of the step, in which a new factor pays
-constexpr int most_unsound = 20;           // trials of a step that are not finite, each a tenth of the one before
 constexpr double next_after_impact = 3.0;  // of the first step after the impact before, that of the next one
+
+// A step of 1e8 ways of a wave through the bar leaves its matrix no digit of the inertia.
+double farthest(const PenalisedSystem& system) {
+  const Bar& bar = system.bar().bar();
+  return 1e6 * bar.length * std::sqrt(bar.density / bar.modulus);
+}
 
 class Stepper final : public LegStepper {
  public:
@@ -34,7 +39,7 @@ class Stepper final : public LegStepper {
         layout_(run.layout),
         statistics_(run.statistics),
         weights_(run.system, run.layout, tolerance, run.times.back(), one_step_accumulation, run.derivatives),
-        longest_(longest_step(run.system, run.times.back() - run.times.front())),
+        longest_(std::min(longest_step(run.system, run.times.back() - run.times.front()), farthest(run.system))),
         step_(run.times.back() - run.times.front()),
         begin_y_(layout_.size),
         end_y_(layout_.size),
@@ -76,15 +81,10 @@ class Stepper final : public LegStepper {
     std::swap(begin_y_, end_y_);
     begin_t_ = end_t_;
     weights_.fill(begin_y_, weight_);
-    for (int unsound = 0;;) {
+    for (;;) {
       const double h = next_length();
       const double error = attempt(h);
-      if (!std::isfinite(error)) {
-        // The first step may be as long as the run, and leave its matrix no digit of the inertia.
-        if (++unsound > most_unsound) throw not_finite();
-        step_ = 0.1 * h;
-        continue;
-      }
+      if (!std::isfinite(error)) throw not_finite();
       if (error <= 1.0) {
         if (std::exchange(stirred_, false) && h < stop_ - begin_t_) stirred_step_ = h;
         grow(h, error);
@@ -237,8 +237,7 @@ class Stepper final : public LegStepper {
     const Eigen::Array4d displacements(1.0, 1.0, 0.0, 1.0);
     for (std::size_t i = 0; i < first; ++i) largest = largest.max(move(i) * displacements);
     for (std::size_t i = last; i < n; ++i) largest = largest.max(move(i) * displacements);
-    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max()))
-      return std::numeric_limits<double>::infinity();
+    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
     double error =
         std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
     if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_[0], weight_[n + first]));
