@@ -26,7 +26,6 @@ std::size_t count(const std::string& text, const std::string& pattern) {
 
 // Equal elastic bars: N = Z v / 2 = 0.5 for 2 L/c = 2 from t = 0.05 on, whose impulse is the momentum of the first.
 TEST(Report, HasForcesAndContactsOfJointsAndAStripABar) {
-  const std::string bar = "[[bar]]\nlength = 1.0\nvelocity = ";
   const std::string end = "[time]\nend = 3.0\n[output]\nevery = 0.01\n";
   const Html report =
       page(parse_scene(bar + "1.0\n" + bar + "0.0\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n" + end, "scene"));
