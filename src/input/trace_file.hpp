@@ -41,8 +41,8 @@ TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::
                       std::string_view places = {});
 
 /// Factor from the unit `from` to the unit `to`: "s", "m", "g", "N", "Pa" with decimal prefixes, "min", "h", "t", "in",
-/// "ft", "lbf", "psi", "%", products, quotients and powers of them such as "kg/(m s^2)"; absent for others and where one
-/// measures another quantity.
+/// "ft", "lbf", "psi", "%", products, quotients and powers of them such as "kg/(m s^2)"; absent for others and where
+/// one measures another quantity.
 std::optional<double> unit_ratio(std::string_view from, std::string_view to);
 
 }  // namespace viscobar

@@ -239,7 +239,8 @@ TEST(ChainSensitivities, OfTwoContactsThatCloseAtTheStartFollowBothImpacts) {
       "elements = 12\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 12\nvelocity = -0.5\n[[joint]]\nkind "
       "= \"contact\"\n[[joint]]\nkind = \"contact\"\n[time]\nend = 1.0\n[output]\nevery = 0.1\n[method]\nname = "
       "\"rigid\"\nrelative_tolerance = 1e-11\n";
-  for (const char* key : {"bar.2.density", "bar.2.length", "bar.1.length"}) expect_derivatives(text, key, 1.0, {"time.end=1"});
+  for (const char* key : {"bar.2.density", "bar.2.length", "bar.1.length"})
+    expect_derivatives(text, key, 1.0, {"time.end=1"});
 }
 
 // A jump of the load opens it where the jump is, whatever the bar.

@@ -148,7 +148,7 @@ TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
   refused("t,u_left\n0,0\n1500,0.1\n3000,0.2\n", "such as milliseconds");
   refused("t,u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set time.end=3000");
   refused("t [ms],u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set units.time=s");
-  refused("t,u_left [in]\n0,0\n1,0.1\n", "u_left is in in, and the scene's unit of it is mm", "--set units.length=mm");
+  refused("t,u_left [V]\n0,0\n1,0.1\n", "u_left is in V, and the scene's unit of it is mm", "--set units.length=mm");
   refused("t,u_left\n", "holds no data");
   refused("t\n0\n", "has no column of values");
   refused("t,u_left\n0,1\n1,1\n", "is no LOW:HIGH", "--bounds left.gap=0.5");
