@@ -73,7 +73,7 @@ NextBreak joined(const std::vector<Part>& parts, NextBreak Places::*which, bool 
       const NextBreak& breaks = part.places.*which;
       if (!breaks || !(from < to)) continue;
       auto next = breaks(from - part.shift, to - part.shift);
-      // What lies within a rounding is the place that was told last, by the shift, or the end of the part before.
+      // A place within a rounding of it is the place that was told last, by the shift, or the end of the part before.
       const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * to;
       if (next && *next + part.shift <= from + rounding) next = breaks(from + rounding - part.shift, to - part.shift);
       if (next && *next + part.shift > from) return *next + part.shift;

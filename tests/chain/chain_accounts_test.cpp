@@ -42,7 +42,7 @@ TEST(ChainAccounts, ABarOnASpringOfABodyThatIsHeldMovesAsOnASpringOfTheGround) {
       EXPECT_NEAR(alone.displacement(k).back(), mirrored.displacement(k).front(), 1e-7)
           << method << " " << alone.times[k];
     }
-    // That of a scheme is of t = dt / 2, by k (dt / 2)^2 / 2.
+    // A scheme has it at t = dt / 2, larger by k (dt / 2)^2 / 2.
     EXPECT_NEAR(held.statistics.energy->initial, 0.5, 5.0 * 2.5e-7 + 1e-12) << method;
   }
 }
