@@ -15,8 +15,8 @@ using UnitsOfPages = testing_cli::Command;
 const std::set<std::string> without = {
     "", "case", "closings", "where", "change", "method", "mass", "settings", "setting", "steps", "seconds", "changes",
     "bounces", "changes matched", "elements", "contact changes", "regime", "theory", "scheme's power of dt",
-    "tolerance", "largest part", "order", "power of ε", "time errors are against", "left end", "right end",
-    "parameter", "estimate", "half width, 95 %", "standard deviation", "solution", "quantity", "largest difference",
+    "tolerance", "largest part", "order", "power of ε", "time errors are against", "left end", "right end", "parameter",
+    "estimate", "half width, 95 %", "standard deviation", "solution", "quantity", "largest difference",
     "of the largest value", "our own error", "mean", "our own",
     // powers of epsilon
     "penetration", "to its own limit", "to the scheme"};
