@@ -66,12 +66,13 @@ std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& sys
 
 /// Warns of impacts without a contact: the bar pulls its node away at once, which is an error of the mesh. Those of a
 /// fine mesh take next to nothing of its momentum.
-std::optional<std::string> touch_warning(const BarSystem& system, const Statistics& done) {
-  if (!done.account || !done.energy) return std::nullopt;
+std::optional<std::string> touch_warning(const Scene& scene, const BarSystem& system, const Statistics& done) {
+  if (!done.account || !done.energy || scene.span) return std::nullopt;  // a span obstacle has closings of its own
   const std::vector<double> ones(system.size(), 1.0);
   const double momentum = std::sqrt(2.0 * done.energy->largest * system.inertia().quadratic_form(ones));
-  for (const auto& [end, words] : {std::pair{&done.account->left, "left"}, {&done.account->right, "right"}})
-    if (end->closings == 0 && std::abs(end->impulse) > 0.01 * momentum)
+  for (const auto& [end, there, words] : {std::tuple{&done.account->left, is_obstacle(scene.left), "left"},
+                                          {&done.account->right, is_obstacle(scene.right), "right"}})
+    if (there && end->closings == 0 && std::abs(end->impulse) > 0.01 * momentum)
       return fmt::format(
           "touches: the {} end strikes its obstacle and is pulled away at once, which is an error of the mesh: its "
           "impulse of {:.3g} is of no contact; take more elements",
@@ -146,7 +147,7 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
   pass_on(growth_warning(setup.run, done));
   pass_on(representation_warning(done));
   pass_on(penetration_warning(setup, system, done));
-  pass_on(touch_warning(system, done));
+  pass_on(touch_warning(setup.run.scene, system, done));
   pass_on(peak_warning(setup, system, done));
   for (const Alarm& alarm : alarms(setup, system, done)) {
     const std::string what = fmt::format(

@@ -234,15 +234,15 @@ class Run {
 
   // A node that moves in closes its contact where the data touch, at t_0, or else where u^1 does.
   void close_at_start(const State& start) {
-    for (std::size_t k = 0; k < was_active_.size(); ++k) {
-      const Contact& contact = step_->contacts()[k];
-      const double velocity = contact.of(start.v);
-      if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < 0.0)) continue;
-      const bool touches = contact.sign * contact.of(start.u) + gap(k, 0) <= 0.0;
-      if (!touches && step_->clearance(k, time(1), contact.of(step_->u())) > 0.0) continue;
-      was_active_[k] = 1;
-      tell(time(touches ? 0 : 1), k, Change::closing, velocity);
-    }
+    for (const std::size_t n : {0, 1})  // in the order of time
+      for (std::size_t k = 0; k < was_active_.size(); ++k) {
+        const Contact& contact = step_->contacts()[k];
+        const double velocity = contact.of(start.v), u = n == 0 ? contact.of(start.u) : contact.of(step_->u());
+        if (was_active_[k] || step_->clearance(k, time(n), u) > 0.0) continue;
+        if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < 0.0)) continue;
+        was_active_[k] = 1;
+        tell(time(n), k, Change::closing, velocity);
+      }
   }
 
   EndAccount& account_of(bool right) { return right ? statistics_.account->right : statistics_.account->left; }

@@ -157,17 +157,18 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
     if (accounts.changes[lane].size() < outputs.most_changes) accounts.changes[lane].push_back(t);
   };
   // See close_at_start() of fully_discrete.
-  for (const bool right : {false, true}) {
-    if (!pattern_.contact[right]) continue;
-    const double s = pattern_.sign[right];
-    const Lanes moved = s * u_[node(right)] + gap_[right], came = s * datum(&State::v, node(right));
-    for (std::size_t lane = 0; lane < lane_count; ++lane) {
-      const bool touches = touching[right][lane] != 0.0;
-      if (!(came[lane] < 0.0) || !(touches || moved[lane] <= 0.0)) continue;
-      was_active_[right][lane] = 1.0, changes_ = true;
-      tell(lane, touches ? 0.0 : dt);
+  for (const double t : {0.0, dt})  // in the order of time
+    for (const bool right : {false, true}) {
+      if (!pattern_.contact[right]) continue;
+      const double s = pattern_.sign[right];
+      const Lanes moved = s * u_[node(right)] + gap_[right], came = s * datum(&State::v, node(right));
+      for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        const bool there = t == 0.0 ? touching[right][lane] != 0.0 : moved[lane] <= 0.0;
+        if (was_active_[right][lane] != 0.0 || !there || !(came[lane] < 0.0)) continue;
+        was_active_[right][lane] = 1.0, changes_ = true;
+        tell(lane, t);
+      }
     }
-  }
   const auto find_changes = [&](double t, double next) {
     if (!changes_ || outputs.most_changes == 0) return;
     const Lanes sizes = largest_displacements();

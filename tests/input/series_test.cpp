@@ -216,7 +216,7 @@ TEST(UnitRatio, IsThatOfProductsQuotientsAndPowers) {
   EXPECT_DOUBLE_EQ(ratio("kN", "N"), 1e3);
   EXPECT_DOUBLE_EQ(ratio("kN", "MPa mm^2"), 1e3);
   EXPECT_DOUBLE_EQ(ratio("N", "kg m/s^2"), 1.0);
-  EXPECT_DOUBLE_EQ(ratio("t mm/ms^2", "MN"), 1e-3 * 1e6 * 1e3 / 1e6);
+  EXPECT_DOUBLE_EQ(ratio("t mm/ms^2", "MN"), 1.0);
   EXPECT_DOUBLE_EQ(ratio("Pa", "kg/(m s^2)"), 1.0);
   EXPECT_DOUBLE_EQ(ratio("MPa", "N/mm²"), 1.0);
   EXPECT_DOUBLE_EQ(ratio("m/s2", "mm s^-2"), 1e3);

@@ -56,6 +56,21 @@ TEST(FullyDiscreteContact, ABarThatMovesInFromATouchClosesThereAndThen) {
     }
 }
 
+TEST(FullyDiscreteContact, ContactsOfTheStartAreToldInTheOrderOfTime) {
+  Scene scene;
+  scene.bar.viscosity = 0.1;
+  scene.left = Obstacle{0.004};
+  scene.right = Obstacle{0.0, Side::above};
+  scene.displacement = [](double) { return 0.0; };
+  scene.velocity = [](double x) { return 2.0 * x - 1.0; };
+  const auto run = run_steps(BarSystem(scene, {1.0, 20}, Mass::fourth_order), 0.01, 0.1);
+  ASSERT_GE(run.events.size(), 2u);
+  EXPECT_EQ(run.events[0].where, Where::right);
+  EXPECT_EQ(run.events[0].time, 0.0);
+  EXPECT_EQ(run.events[1].where, Where::left);
+  EXPECT_EQ(run.events[1].time, 0.01);
+}
+
 // A rod of mass 1 with a mass M on its end touches at speed 1: E(0) = (1 + M) / 2, and the scheme stops M at once.
 TEST(FullyDiscreteContact, WhatTheStartTakesAtATouchIsDissipatedAndNotForgotten) {
   for (const char* method : {"fully_discrete", "finite_difference"}) {
