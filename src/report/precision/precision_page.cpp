@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "report/precision/precision_tables.hpp"
 #include "results/json.hpp"
@@ -51,7 +53,10 @@ Json to_json(const PrecisionResult& result, const NumberText& number) {
 
 std::string numbers(const PrecisionStudy& study, const PrecisionResult& result, const NumberText& number) {
   Numbers all;
-  all.add("Mass", std::string(name(resolve(study.scene).mass)), "finite_difference: diagonal");
+  std::map<Mass, std::set<std::string_view>> masses;  // as the methods have it
+  for (const ErrorParts& parts : result.parts) masses[parts.mass].insert(name(parts.method));
+  for (const auto& [mass, methods] : masses)
+    all.add("Mass", std::string(name(mass)), masses.size() > 1 ? fmt::format("{}", fmt::join(methods, ", ")) : "");
   if (study.scene.epsilon) all.add("Penalty ε", number(*study.scene.epsilon, number.of_epsilon, 4));
   if (result.reference) {
     all.add("Largest |u|", number(result.reference->largest_displacement, Dimension::length));
