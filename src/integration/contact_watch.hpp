@@ -59,10 +59,10 @@ class SpanForce {
 ///
 ///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node + (M (k u + c v))_node,
 ///
-/// the last term of a side that resists,
+/// and the account of it: int N dt, and max N of the polynomial of each step. The last term is that of a side that
+/// resists.
 ///
-/// or by its law, where no bar is there,
-/// and the account of it: int N dt, and max N of the polynomial of each step.
+/// Where no bar is beside it, its law has the force.
 class JointForces {
  public:
   /// Both outlive it. Without such contacts it asks for nothing.

@@ -66,9 +66,9 @@ struct EnsembleStudy {
   std::vector<std::string> keys;                ///< numbers of the scene, as "bar.viscosity"
   std::vector<std::span<const double>> values;  ///< of each key: one a bar, or one for all
   std::vector<std::string> outputs;             ///< see EnsembleOutput
-  /// The error of integration in time that each bar may have, as a share of the largest value of each quantity: the
-  /// displacements of the ends and of joints, and the contact times and impulses that are asked for. The error of
-  /// the mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
+  /// The error of integration in time that each bar may have, as a share of the largest value of each quantity. These
+  /// are the displacements of ends and joints, and the contact times and impulses that are asked for. The error of the
+  /// mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
   std::optional<double> error;
   bool lanes = true;                                                ///< false: each bar by a run of its own
   std::size_t threads = 0;                                          ///< 0: one a core
