@@ -229,9 +229,7 @@ void check_chain(const Setup& setup, Findings& findings) {
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
-    const std::size_t last = right ? scene.chain.size() - 1 : 0;
-    if (!scene.chain[last].rigid() || std::holds_alternative<Free>(end) || !meets_contact(scene, last, !right))
-      continue;
+    if (std::holds_alternative<Free>(end) || has_row_at_end(scene, right)) continue;
     const std::string key = right ? "right.kind" : "left.kind";
     if (is_fixed(end))
       findings.report(key,
@@ -270,11 +268,10 @@ void check_chain(const Setup& setup, Findings& findings) {
                         *run.restitution);
       continue;
     }
-    if (method != MethodName::rigid) continue;
-    refuse(scene.side.has_value(), "side.stiffness", "by rigid contacts at joints, resistance along the bar");
-    if (rigid)
+    if (method == MethodName::rigid && !has_row_at_joint(scene, k))
       findings.report(joint_key(k + 1, "kind"),
-                      "is between two rigid bodies, which rigid does not take yet; use cvode with a contact.epsilon");
+                      "is between two rigid bodies that meet others, too, which rigid does not take yet; use cvode with a "
+                      "contact.epsilon, or fully_discrete");
   }
   check_members(run, findings);
 }

@@ -140,13 +140,13 @@ double natural_epsilon(const Scene& scene) {
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon && !has_stops(scene)) return {MethodName::fully_discrete, ""};
-  MethodName meshed = MethodName::rigid;
-  for (std::size_t k = 0; k + 1 < scene.chain.size() && meshed == MethodName::rigid; ++k) {
-    const bool contact = scene.chain[k].joint.kind == JointKind::contact;
-    if (contact && scene.chain[k].rigid() && scene.chain[k + 1].rigid()) meshed = MethodName::cvode;
-    if (contact && !touches_bar(scene.chain, k) && !run.epsilon) meshed = MethodName::fully_discrete;
-  }
-  if ((run.epsilon || has_stops(scene)) && meshed == MethodName::rigid) {
+  bool rows = (!is_obstacle(scene.left) || has_row_at_end(scene, false)) &&
+              (!is_obstacle(scene.right) || has_row_at_end(scene, true));
+  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
+    rows &= scene.chain[k].joint.kind != JointKind::contact || has_row_at_joint(scene, k);
+  const bool by_law = run.epsilon || has_stops(scene);
+  MethodName meshed = rows ? MethodName::rigid : by_law ? MethodName::cvode : MethodName::fully_discrete;
+  if (by_law && meshed == MethodName::rigid) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     meshed = scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
   }

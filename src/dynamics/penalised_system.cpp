@@ -25,13 +25,10 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
   for (const Contact& contact : bar.contacts()) {
     if (rigid_ && contact.where == Where::span)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
-    const std::size_t right = contact.unknown + bar.first_node();
-    by_law_.push_back(contact.joint > 0
-                          ? !bar.is_element_of_bar(right) && (right < 2 || !bar.is_element_of_bar(right - 2))
-                          : std::ranges::any_of(bar.contacts(), [&](const Contact& other) {
-                              return other.joint > 0 &&
-                                     (other.unknown == contact.unknown || other.unknown == contact.unknown + 1);
-                            }));
+    const std::size_t i = by_law_.size(), node = contact.unknown;
+    const bool met = is_met_elsewhere(i, node);
+    by_law_.push_back(contact.joint == 0 ? met
+                                         : !is_of_bar(i) && (!rigid_ || (met && is_met_elsewhere(i, node - 1))));
     if (rigid_ && by_law_.back())
       throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
     if (rigid_ && size() < 2)
@@ -143,6 +140,7 @@ std::vector<std::size_t> PenalisedSystem::indicator_entries(std::size_t i) const
     if (!collides(i)) return entries;
     const JointRow row = joint_row(i);
     entries.insert(entries.end(), {row.next, size() + row.node, size() + row.next, size() + row.beyond});
+    if (bar_.side()) entries.push_back(row.beyond);
     return entries;
   }
   if (follows(i)) return {neighbour(node)};
@@ -195,30 +193,80 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   return weights;
 }
 
+// True if one of the two nodes of contact i, at a joint, is the end of a bar.
+bool PenalisedSystem::is_of_bar(std::size_t i) const {
+  const std::size_t right = contact(i).unknown + bar_.first_node();
+  return bar_.is_element_of_bar(right) || (right > 1 && bar_.is_element_of_bar(right - 2));
+}
+
+// True if a contact other than i, of the joint or end on the other side, has that node.
+bool PenalisedSystem::is_met_elsewhere(std::size_t i, std::size_t unknown) const {
+  const std::vector<Contact>& all = bar_.contacts();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool of_joint = all[k].joint > 0;
+    if (k == i || (!of_joint && all[i].joint == 0)) continue;
+    if (all[k].unknown == unknown || (of_joint && all[k].unknown == unknown + 1)) return true;
+  }
+  return false;
+}
+
 PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
-  const std::size_t b = contact(i).unknown, right = b + bar_.first_node();
-  if (by_law(i)) return {b, b - 1, b, 1.0, 0.0, 0.0, {}};
-  const bool to_right = bar_.is_element_of_bar(right);
-  JointRow row{b, b + 1, std::min(b + 2, size() - 1), 1.0, 0.0, 0.0, {}};
-  if (!to_right) row = {b - 1, b - 2, b < 3 ? 0 : b - 3, -1.0, 0.0, 0.0, {}};
-  const std::size_t element = to_right ? right : right - 2;
-  row.stiffness = bar_.bar().modulus / bar_.stretch(element);
-  row.viscosity = bar_.bar().viscosity / bar_.rate_stretch(element);
+  const std::size_t b = contact(i).unknown, first = bar_.first_node(), right = b + first;
+  if (by_law(i)) return {.node = b, .next = b - 1, .beyond = b, .sign = 1.0, .scale = 1.0};
+  const bool of_bar = is_of_bar(i), to_right = of_bar ? bar_.is_element_of_bar(right) : !is_met_elsewhere(i, b);
+  const std::size_t node = to_right ? b : b - 1;
+  JointRow row{.node = node, .next = node, .beyond = node, .sign = to_right ? 1.0 : -1.0, .scale = 0.0};
   const SymmetricTridiagonal& inertia = bar_.inertia();
-  row.inertia = inertia.one_sided_entries(row.node, !to_right);
-  row.inertia[0] += inertia.diagonal[row.node];
-  if (!inertia.is_diagonal()) row.inertia[1] += to_right ? inertia.above(row.node) : inertia.below(row.next);
+  row.inertia[0] = inertia.diagonal[node];
+  if (to_right ? right < bar_.mesh().elements : right > 1) {
+    const std::size_t element = to_right ? right : right - 2;
+    const double stiffness = bar_.bar().modulus / bar_.stretch(element),
+                 viscosity = bar_.bar().viscosity / bar_.rate_stretch(element);
+    if (to_right ? b + 1 < size() : b > 1) {
+      row.stiffness = stiffness, row.viscosity = viscosity;
+      row.next = to_right ? b + 1 : b - 2;
+      row.beyond = to_right ? std::min(b + 2, size() - 1) : b < 3 ? 0 : b - 3;
+    } else {
+      row.ground_stiffness = stiffness, row.ground_viscosity = viscosity;
+      row.ground_force = stiffness * bar_.wall(to_right).value_or(0.0);
+    }
+  }
+  row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar_.bar().modulus / bar_.stretch_at(b);
+  for (const Mount& mount : bar_.mounts())
+    if (mount.unknown == node) row.ground_stiffness += mount.stiffness, row.ground_viscosity += mount.dashpot;
+  if (!of_bar) return row;
+  const std::array<double, 3> one_sided = inertia.one_sided_entries(node, !to_right);
+  for (std::size_t k = 0; k < 3; ++k) row.inertia[k] += one_sided[k];
+  const bool beside = row.next != node;
+  if (!inertia.is_diagonal() && beside) row.inertia[1] += to_right ? inertia.above(node) : inertia.below(row.next);
+  const SideRows* side = bar_.side();
+  if (!side) return row;
+  const std::array<double, 3> weights = side->end_row(node + first, !to_right);
+  const std::array<std::size_t, 3> unknowns = {node, row.next, row.beyond};
+  for (std::size_t k = 0; k < 3 && (beside || k == 0); ++k) {
+    row.side_stiffness[k] = weights[k] * side->stiffness(unknowns[k] + first);
+    row.side_drag[k] = weights[k] * side->drag(unknowns[k] + first);
+  }
+  if (!beside)  // it is held
+    row.ground_force -= weights[1] * side->stiffness(to_right ? right + 1 : right - 2) * *bar_.wall(to_right);
   return row;
 }
 
-// The weights of -N over the stiffness of the row.
+// The weights of -N over the scale of the row.
 void PenalisedSystem::add_joint_weights(std::size_t i, IndicatorWeights& weights) const {
   const JointRow row = joint_row(i);
-  const double unit = -row.sign / row.stiffness;
+  const double unit = -row.sign / row.scale, of_next = row.sign * (row.stiffness / row.scale);
   weights.sided = true;
-  weights.values = {0.0, 0.0, 0.0, row.sign, unit * row.viscosity, -unit * row.viscosity, 0.0};
-  weights.values[row.sign > 0.0 ? 1 : 2] = -row.sign;
-  for (std::size_t k = 0; k < 3; ++k) weights.rates[2 + k] = unit * row.inertia[k];
+  weights.values = {0.0, 0.0, 0.0, of_next, unit * (row.viscosity + row.ground_viscosity), -unit * row.viscosity};
+  double& of_node = weights.values[row.sign > 0.0 ? 1 : 2];
+  of_node = unit * row.ground_stiffness - of_next;
+  for (std::size_t k = 0; k < 3; ++k) {
+    weights.rates[2 + k] = unit * row.inertia[k];
+    weights.values[4 + k] += unit * row.side_drag[k];
+  }
+  of_node += unit * row.side_stiffness[0];
+  weights.values[3] += unit * row.side_stiffness[1];
+  weights.values[7] = unit * row.side_stiffness[2];
 }
 
 // Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
@@ -236,9 +284,10 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
   if (!follows(i) && !(holds(i) && closed(i))) return offsets_[i];
   if (contact(i).joint > 0) {
     const JointRow row = joint_row(i);
-    const double origin = row.sign * (origin_at(row.next) - origin_at(row.node));
-    if (!load_) return origin;
-    return origin + row.sign / row.stiffness * load_->at(t)[row.node];
+    const std::array<double, 3> origins = {origin_at(row.node), origin_at(row.next), origin_at(row.beyond)};
+    double force = row.ground_stiffness * origins[0] - row.ground_force - (load_ ? load_->at(t)[row.node] : 0.0);
+    for (std::size_t k = 0; k < 3; ++k) force += row.side_stiffness[k] * origins[k];
+    return row.sign * (row.stiffness / row.scale * (origins[1] - origins[0]) - force / row.scale);
   }
   double neighbours = contact(i).clearance(origin_at(neighbour(node)));
   for (const Mount& mount : bar_.mounts())

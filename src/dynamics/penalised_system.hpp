@@ -100,8 +100,8 @@ class PenalisedSystem {
   /// Weights in p of the values of those entries, in their order, and where it needs_rates() of the rates of the
   /// last two.
   struct IndicatorWeights {
-    std::array<double, 7> values{};  ///< beyond the third only with a side that resists, or at a joint
-    std::array<double, 5> rates{};
+    std::array<double, 8> values{};  ///< beyond the third only with a side that resists, or at a joint
+    std::array<double, 6> rates{};
     bool sided = false;                           ///< true if those count
     bool alone = true;                            ///< the first value is all that it takes
     std::optional<double> offset = std::nullopt;  ///< the rest, where it is the same at all times
@@ -134,8 +134,8 @@ class PenalisedSystem {
   bool is_passed_over(std::size_t i, double length) const {
     return rates_[i] * length > 10.0 && contact(i).joint == 0 && !by_law(i);
   }
-  /// True if the law alone tells the force of contact i, and no row of a bar: that of a rigid body without a bar,
-  /// beside another contact.
+  /// True if the law alone tells the force of contact i, and no row: that of a rigid body without a bar, beside another
+  /// contact; of a penalty also where no other one meets the body.
   bool by_law(std::size_t i) const { return by_law_[i] != 0; }
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
@@ -282,14 +282,20 @@ class PenalisedSystem {
   /// Makes contact i, not linear in the bar, one of that linear law here: of a derivative, which has its tangent.
   void linearise(std::size_t i, const PenaltyLaw& tangent);
 
-  /// The row of the end of a bar beside contact i, at a joint, without the contact itself,
+  /// The row beside contact i, at a joint, without the contact itself: that of the end of a bar, or of a rigid body that
+  /// no other contact meets,
   ///
-  ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next) - (M f)_node.
+  ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next)
+  ///              + k_0 u_node + c_0 w_node - f_0 + (M (k u + c w))_node - (M f)_node,
+  ///
+  /// k_0, c_0 and f_0 of a spring to the ground, the last but one term that of resistance along the bar.
   struct JointRow {
     std::size_t node, next, beyond;  ///< unknowns, from the joint inwards
-    double sign;                     ///< 1 where the bar is to the right of the joint, -1 to the left
-    double stiffness, viscosity;     ///< k, c
-    std::array<double, 3> inertia;
+    double sign;                     ///< 1 where the row is to the right of the joint, -1 to the left
+    double scale;                    ///< E / h, by which the indicator counts N
+    double stiffness = 0.0, viscosity = 0.0;                                    ///< k, c
+    double ground_stiffness = 0.0, ground_viscosity = 0.0, ground_force = 0.0;  ///< k_0, c_0, f_0
+    std::array<double, 3> inertia{}, side_stiffness{}, side_drag{};             ///< of the three nodes
   };
   /// Where contact i is by_law() it has b and a for nodes, and zeros.
   JointRow joint_row(std::size_t i) const;
@@ -376,6 +382,8 @@ class PenalisedSystem {
 
  private:
   bool massless(std::size_t unknown) const { return bar_.massless(unknown); }
+  bool is_of_bar(std::size_t i) const;
+  bool is_met_elsewhere(std::size_t i, std::size_t unknown) const;
   void add_joint_weights(std::size_t i, IndicatorWeights& weights) const;
   double joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const;
   bool has_one_sided() const { return !bar_.inertia().one_sided.empty(); }

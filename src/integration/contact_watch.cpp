@@ -114,21 +114,6 @@ bool JointForces::closed() const {
   return std::ranges::any_of(joints_, [this](const Joint& joint) { return system_.closed(joint.contact); });
 }
 
-// (M (k u + c w)) of its node.
-double JointForces::side_row(const Joint& joint, std::span<const double> y) const {
-  const BarSystem& bar = system_.bar();
-  const auto& [row, at] = std::tie(joint.row, joint.positions);
-  const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {at[0], at[1], at[5]};
-  const std::array<double, 3> weights = bar.side()->end_row(row.node + bar.first_node(), row.sign < 0.0);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t j = unknowns[k] + bar.first_node();
-    const double displacement = y[u[k]] + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
-    sum += weights[k] * (bar.side()->stiffness(j) * displacement + bar.side()->drag(j) * y[at[2 + k]]);
-  }
-  return sum;
-}
-
 void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
   for (Joint& joint : joints_) {
     if (!system_.closed(joint.contact)) continue;
@@ -140,10 +125,16 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
           system_.contact_force(joint.contact, stretch + system_.contact(joint.contact).gap, y[at[2]] - y[at[3]]);
       continue;
     }
-    joint.momentum[j] =
-        row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] + row.viscosity * stretch;
-    joint.rate[j] = row.stiffness * stretch - system_.load_alone(row.node, t);
-    if (system_.bar().side()) joint.rate[j] += side_row(joint, y);
+    const auto displacement = [&](std::size_t k) {
+      const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {at[0], at[1], at[5]};
+      return y[u[k]] + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
+    };
+    joint.momentum[j] = row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] +
+                        row.viscosity * stretch + row.ground_viscosity * displacement(0);
+    joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
+                    system_.load_alone(row.node, t);
+    for (std::size_t k = 0; k < 3 && system_.bar().side(); ++k)
+      joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * y[at[2 + k]];
   }
 }
 

@@ -54,15 +54,14 @@ class SpanForce {
   std::array<double, Bernstein::max_degree + 1> force_{};
 };
 
-/// The forces of closed contacts at joints of a chain, each by the row of the end of a bar beside it (see
-/// PenalisedSystem::joint_row),
+/// The forces of closed contacts at joints of a chain, each by the row beside it (see PenalisedSystem::joint_row),
 ///
-///     sign N = d/dt (inertia . v + c (u_node - u_next)) + k (u_node - u_next) - (M f)_node + (M (k u + c v))_node,
+///     sign N = d/dt (inertia . v + c (u_node - u_next) + c_0 u_node) + k (u_node - u_next) + k_0 u_node - f_0 -
+///              (M f)_node + (M (k u + c v))_node,
 ///
-/// and the account of it: int N dt, and max N of the polynomial of each step. The last term is that of a side that
-/// resists.
+/// and the account of it: int N dt, and max N of the polynomial of each step.
 ///
-/// Where no bar is beside it, its law has the force.
+/// Where there is no row, its law has the force.
 class JointForces {
  public:
   /// Both outlive it. Without such contacts it asks for nothing.
@@ -90,7 +89,6 @@ class JointForces {
 
   /// Positions that are used: the last is of a side that resists.
   std::size_t used() const { return system_.bar().side() ? 6 : 5; }
-  double side_row(const Joint& joint, std::span<const double> y) const;
 
   const PenalisedSystem& system_;
   std::vector<Joint> joints_;

@@ -94,7 +94,7 @@ Eigen::VectorXd model_error(const FitStudy& study, const Minimum& best, const Ei
     const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
     if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
     ++result.runs;
-    const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
+    const Misfit fine = measure(study, run, best.compared, false, 1000 + 200 * best.misfit.steps);
     return 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();
   } catch (const std::bad_alloc&) {
     throw;
@@ -133,7 +133,7 @@ double reach(Search& search, const FitStudy& study, const Minimum& best, const E
     const Eigen::VectorXd values = best.at + times * step;
     for (Eigen::Index k = 0; k < step.size(); ++k)
       if (values(k) < study.parameters[k].low || values(k) > study.parameters[k].high) return times;
-    const double rise = search.at(values, Compared::samples, false).sum() - least;
+    const double rise = search.at(values, best.compared, false).sum() - least;
     if (rise < -0.03 * variance && !lower) lower = values;
     if (times == 1.0 && rise > 0.5 * variance) return 1.0;
     if (!std::isfinite(rise)) return times;
@@ -363,6 +363,24 @@ Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
   return start;
 }
 
+// Values near the best that meet the samples as they are. At the best ones a contact change may be on the wrong side of
+// a sample, which is hidden by what samples beside changes are compared with.
+std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, const Minimum& best) {
+  if (is_explained(study, search.at(best.at, Compared::exact, false))) return std::nullopt;
+  const Eigen::MatrixXd axes = search.axes_of_deviations(best.at);
+  std::vector<std::pair<double, Eigen::VectorXd>> tried;
+  for (const double scale : {4.0, 2.0, 1.0})
+    for (std::size_t i = 0; i < 16; ++i) {
+      const Eigen::VectorXd at = beside(search, best.at, scale * axes, tried.size() + 1);
+      tried.emplace_back(search.at(at, Compared::exact, false).sum(), at);
+    }
+  std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
+  tried.resize(3);
+  for (const auto& [sum, at] : tried)
+    if (Minimum found = search.minimum_from(at, Compared::exact, study.most_runs); is_explained(study, found.misfit)) return found;
+  return std::nullopt;
+}
+
 }  // namespace
 
 FitResult fit(const FitStudy& study) {
@@ -441,11 +459,17 @@ FitResult fit(const FitStudy& study) {
   if (!found[best].converged && found.size() > study.starts)
     explained = begin_at(found[best].at, Compared::samples, study.most_runs);
   if (!found[best].misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);
+  if (auto exact = search.jumps() && explained ? exact_minimum(search, study, found[best]) : std::nullopt) {
+    for (Minimum& other : found) other.misfit = search.at(other.at, Compared::exact, false);
+    result.sums.push_back(exact->misfit.sum());
+    best = found.size();
+    found.push_back(std::move(*exact));
+  }
   for (bool settled = false; !settled;) {
     FitResult judged;
     const auto lower = judge(search, study, found[best], judged);
     const std::size_t before = best;
-    if (lower && search.runs < most_runs) begin_at(*lower, Compared::samples, few_runs);
+    if (lower && search.runs < most_runs) begin_at(*lower, found[best].compared, few_runs);
     settled = best == before;
     if (settled) judged.sums = std::move(result.sums), result = std::move(judged);
   }

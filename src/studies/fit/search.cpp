@@ -179,8 +179,9 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     const bool smooth = !is_velocity(trace.column) && !is_reaction(trace.column);
     misfit.traces.emplace_back();
     std::ranges::transform(model[i], std::back_inserter(misfit.traces.back()), number);
-    if (smooth || compared == Compared::samples)
-      compare_samples(trace, study.times, model[i], smooth ? std::span<const Event>() : misfit.changes, rows);
+    if (smooth || compared != Compared::integrals)
+      compare_samples(trace, study.times, model[i],
+                      smooth || compared == Compared::exact ? std::span<const Event>() : misfit.changes, rows);
     else if (is_velocity(trace.column))
       compare_integrals(trace, study.times, model[i], rows);
     else
@@ -251,7 +252,7 @@ Eigen::MatrixXd Search::axes_of_deviations(const Eigen::VectorXd& values) {
 Minimum Search::minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs) {
   if (first == Compared::integrals && jumps())
     if (const Minimum near = descend(start, Compared::integrals, most_runs); near.misfit.sound) start = near.at;
-  return descend(start, Compared::samples, most_runs);
+  return descend(start, first == Compared::exact ? first : Compared::samples, most_runs);
 }
 
 Misfit Search::run(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
@@ -296,7 +297,7 @@ double Search::limited(Eigen::Index k, double from, double to) const {
 constexpr double small_step = 1e-3, rounding_step = 1e-9;
 
 Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs) {
-  Minimum now{start, at(start, compared), 0, false, ""};
+  Minimum now{start, at(start, compared), 0, false, "", compared};
   const auto ended = [&now](std::string reason) {
     now.reason = std::move(reason);
     return now;
@@ -352,6 +353,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
       return converged("the sum of squares does not fall any more");
     damping = std::max(10.0 * damping, 1e-3);
     if (damping < 1e8) continue;
+    if (compared == Compared::exact) return converged("any step puts a sample on the other side of a contact change");
     if (differenced) return ended("no step makes the sum of squares smaller, though its derivatives say so");
     try {  // the sum of squares has a kink, which its derivatives on one side do not tell
       difference(now.at, compared, now.misfit);

@@ -31,8 +31,9 @@ struct Misfit {
 };
 
 /// Samples of velocities and reactions, which jump, make many valleys; their integrals from the first sample on change
-/// smoothly with the parameters.
-enum class Compared { samples, integrals };
+/// smoothly with the parameters. Samples beside contact changes are compared with what lies between their neighbours,
+/// but for `exact` ones.
+enum class Compared { samples, integrals, exact };
 
 inline bool is_velocity(TraceColumn column) {
   return column == TraceColumn::v_left || column == TraceColumn::v_right || column == TraceColumn::v_at;
@@ -54,6 +55,7 @@ struct Minimum {
   std::size_t iterations = 0;
   bool converged = false;
   std::string reason;
+  Compared compared = Compared::samples;
 };
 
 /// True if a step leaves the bounds.
@@ -74,7 +76,7 @@ class Search {
   /// Axes of an ellipsoid, its columns, in which values change what is smooth in them by a deviation, and no longer
   /// than the values.
   Eigen::MatrixXd axes_of_deviations(const Eigen::VectorXd& values);
-  /// Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum.
+  /// Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum; exact ones alone.
   Minimum minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs);
   /// No step is longer than the parameter is large, three times, or takes more than three quarters of a positive one.
   double limited(Eigen::Index k, double from, double to) const;

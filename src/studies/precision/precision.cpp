@@ -17,16 +17,13 @@ namespace {
 
 using namespace precision;
 
-/// Errors are taken at the scene's output times and at equal parts between them, for an impact on a stiff penalty is
-/// shorter than an output interval; at every n-th output time where the fields would fill the memory.
-double error_times(const Case& scene, const std::vector<Mesh>& meshes) {
+/// Errors are taken at the ends of equal parts of the run, whatever its output times are: of so many as an impact on a
+/// stiff penalty asks for, or as the fields leave memory for.
+double error_interval(const Case& scene, const std::vector<Mesh>& meshes) {
   constexpr double most_times = 2000.0, most_entries = 4e6;
   std::size_t nodes = 0;
   for (const Mesh& mesh : meshes) nodes = std::max(nodes, mesh.nodes());
-  const double most = std::clamp(most_entries / static_cast<double>(nodes), 50.0, most_times);
-  const double outputs = scene.end / scene.output_every;
-  return outputs > most ? scene.output_every * std::ceil(outputs / most)
-                        : scene.output_every / std::floor(most / std::max(1.0, outputs));
+  return scene.end / std::floor(std::clamp(most_entries / static_cast<double>(nodes), 50.0, most_times));
 }
 
 std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<std::size_t>& counts,
@@ -106,7 +103,7 @@ PrecisionResult precision_of(const PrecisionStudy& study) {
   }
   std::vector<Mesh> meshes;
   for (const std::size_t count : counts) meshes.push_back(mesh_of(scene, count));
-  scene.output_every = error_times(scene, meshes);
+  scene.output_every = error_interval(scene, meshes);
 
   PrecisionResult result;
   result.times = scene.output_times().size();
