@@ -46,7 +46,7 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
       from_(from),
       statistics_(from ? from->statistics : Statistics{}),
       load_evaluations_before_(statistics_.load_evaluations),
-      telling_(observers, statistics_),
+      notifier_(observers, statistics_),
       t_(from ? from->time : times.front()),
       schedule_(observers, times, t_),
       bars_(bars_of(scene_)),
@@ -117,7 +117,7 @@ Statistics Run::reached() {
   for (const InitialData& data : data_)
     velocity_error += data.velocity_error, displacement_error += data.displacement_error;
   statistics_.unknowns = largest_;
-  telling_.count_seconds();
+  notifier_.count_seconds();
   account();
   const double duration = t_ - times_.front();
   const double windows = static_cast<double>(k_) + 1.0;
@@ -234,7 +234,7 @@ std::optional<PartEnd> Run::tell_window() {
     t_ = stop;
     if (stop == end && !output) tell_events(std::numeric_limits<double>::infinity(), true);
     if (advanced) {
-      if (!telling_.progress(t_)) return reached();
+      if (!notifier_.progress(t_)) return reached();
       if (t_ < times_.back() && schedule_.due(t_)) return Checkpoint{t_, next_output_, reached(), archived(*this)};
     }
     if (!at_output && stop == end) {
@@ -267,7 +267,7 @@ void Run::tell(const Told& event) {
     if (told.change == Change::opening) told.peak = peak_of(event.junction, event.turn.link, event.turn.peak);
     statistics_.account->count(told);
   }
-  telling_.told(told);
+  notifier_.told(told);
 }
 
 std::vector<Field> Run::fields(double s, double t) {
@@ -315,7 +315,7 @@ void Run::tell_output() {
   }
   snapshot.joint_forces = joint_forces_;
   if (observers_.energy) snapshot.energy = energy_at(s, now);
-  telling_.snapshot(snapshot);
+  notifier_.snapshot(snapshot);
 }
 
 }  // namespace viscobar::characteristics

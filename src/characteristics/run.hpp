@@ -14,8 +14,8 @@
 #include "characteristics/junction.hpp"
 #include "characteristics/load_gain.hpp"
 #include "dynamics/pieces.hpp"
+#include "run/notifier.hpp"
 #include "run/parts.hpp"
-#include "run/telling.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar::characteristics {
@@ -165,7 +165,7 @@ class Run {
   double carried_ = 0.0;  // pieces, of all windows
   Statistics statistics_;
   std::size_t load_evaluations_before_;
-  Telling telling_;
+  Notifier notifier_;
   double t_;
   CheckpointSchedule schedule_;
   std::vector<LineBar> bars_;

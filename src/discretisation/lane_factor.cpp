@@ -7,7 +7,7 @@
 
 namespace viscobar {
 
-LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix, double scale) : scale_(scale) {
+LaneFactor::LaneFactor(const BandedMatrix& matrix, double scale) : scale_(scale) {
   find_order(matrix);
   if (order_.rows == 0) {
     condensed_ = matrix;
@@ -18,7 +18,7 @@ LaneFactor::LaneFactor(const SymmetricTridiagonal& matrix, double scale) : scale
   condense(matrix, e);
 }
 
-LaneFactor LaneFactor::without_rows(const SymmetricTridiagonal& matrix) {
+LaneFactor LaneFactor::without_rows(const BandedMatrix& matrix) {
   LaneFactor factor;
   factor.order_ = {matrix.size()};
   factor.condensed_ = matrix;
@@ -26,7 +26,7 @@ LaneFactor LaneFactor::without_rows(const SymmetricTridiagonal& matrix) {
 }
 
 // Rows that are alike, with what couples them to their neighbours, divided evenly; the rest goes to the ends.
-void LaneFactor::find_order(const SymmetricTridiagonal& matrix) {
+void LaneFactor::find_order(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   order_ = {n};
   constexpr std::size_t fewest_rows = 4;  // fewer are not worth the interface
@@ -71,7 +71,7 @@ void LaneFactor::eliminate_inner(double d, double e) {
   }
 }
 
-void LaneFactor::condense(const SymmetricTridiagonal& matrix, double e) {
+void LaneFactor::condense(const BandedMatrix& matrix, double e) {
   const std::size_t first = order_.first, separators_end = first + lane_count, n = separators_end + order_.last;
   const std::size_t m = inner_rows(), skipped = matrix.size() - n;
   const double end_pull = e * lower_[m];                             // e^2 (T^{-1})_{00}

@@ -86,13 +86,13 @@ class LaneFactor {
  public:
   LaneFactor() = default;
   /// @throws std::domain_error when the matrix is not positive definite
-  explicit LaneFactor(const SymmetricTridiagonal& matrix, double scale = 1.0);
+  explicit LaneFactor(const BandedMatrix& matrix, double scale = 1.0);
   /// For a matrix whose rows are not alike: all of it is the interface.
-  static LaneFactor without_rows(const SymmetricTridiagonal& matrix);
+  static LaneFactor without_rows(const BandedMatrix& matrix);
 
   const LaneOrder& order() const { return order_; }
   /// Matrix of the interface; all of A when there are no rows. Whoever factorises it finds out whether it is definite.
-  const SymmetricTridiagonal& condensed() const { return condensed_; }
+  const BandedMatrix& condensed() const { return condensed_; }
 
   /// First sweep. `right(k)` is row k of b divided by the `scale` of the constructor, asked for k = 0, 1, ... once
   /// each; y receives the eliminated rows, and `interface`, which holds b there, what they pull.
@@ -145,15 +145,15 @@ class LaneFactor {
   std::size_t inner_rows() const { return scaled_inverse_pivot_.size(); }
 
  private:
-  void find_order(const SymmetricTridiagonal& matrix);
+  void find_order(const BandedMatrix& matrix);
   void eliminate_inner(double d, double e);
-  void condense(const SymmetricTridiagonal& matrix, double e);
+  void condense(const BandedMatrix& matrix, double e);
 
   LaneOrder order_;
   double scale_ = 1.0;
   std::vector<double> lower_, scaled_inverse_pivot_, from_left_;  // l_0 = 0, ..., l_m; scale w; g
   std::size_t reach_ = 0;                                         // rows that feel their left neighbour at all
-  SymmetricTridiagonal condensed_;
+  BandedMatrix condensed_;
 };
 
 }  // namespace viscobar

@@ -78,9 +78,9 @@ std::array<double, 3> moments_of_node(const Functions& functions, std::size_t i)
 
 // Row i of int A phi_i a dx, a the parabola through nodes i - 1, i, i + 1, and at an end through the three next to it:
 // exact for parabolas in s.
-SymmetricTridiagonal parabolic(const Functions& functions) {
+BandedMatrix parabolic(const Functions& functions) {
   const std::size_t n = functions.mesh.nodes(), last = n - 1;
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   matrix.diagonal.resize(n);
   matrix.off_diagonal.resize(n - 1);
   matrix.skew.assign(n - 1, 0.0);
@@ -112,13 +112,13 @@ SymmetricTridiagonal parabolic(const Functions& functions) {
 
 }  // namespace
 
-SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSection* section) {
+BandedMatrix mass_matrix(const Mesh& mesh, Mass mass, const VaryingSection* section) {
   const bool alike = mesh.uniform() && !section;
   if (!alike && mass == Mass::paper)
     throw std::invalid_argument("mass \"paper\" has one weight h for all nodes: it needs elements of equal length");
   const double h = mesh.spacing();
   const std::size_t n = mesh.nodes();
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   if (mass == Mass::paper) {
     matrix.diagonal.assign(n, h);
     return matrix;
@@ -148,7 +148,7 @@ SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSecti
 namespace {
 
 // Replaces v_0 in the end element's energy by (1 + a) v_1 - a v_2, a the ratio of its size to the next one's.
-void make_massless(const Functions& functions, SymmetricTridiagonal& matrix, std::size_t end, std::size_t next,
+void make_massless(const Functions& functions, BandedMatrix& matrix, std::size_t end, std::size_t next,
                    std::size_t inner) {
   const std::size_t element = std::min(end, next), beside = std::min(next, inner);
   const double a = functions.size(element) / functions.size(beside);
@@ -162,9 +162,9 @@ void make_massless(const Functions& functions, SymmetricTridiagonal& matrix, std
 
 }  // namespace
 
-SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact,
-                                    const VaryingSection* section) {
-  SymmetricTridiagonal matrix = mass_matrix(mesh, mass, section);
+BandedMatrix inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact,
+                            const VaryingSection* section) {
+  BandedMatrix matrix = mass_matrix(mesh, mass, section);
   if (mass != Mass::redistributed || !(left_contact || right_contact)) return matrix;
   const std::size_t contacts = static_cast<std::size_t>(left_contact) + static_cast<std::size_t>(right_contact);
   if (mesh.elements < contacts + 1)

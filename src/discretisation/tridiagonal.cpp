@@ -7,7 +7,7 @@
 
 namespace viscobar {
 
-SymmetricTridiagonal& SymmetricTridiagonal::operator*=(double factor) {
+BandedMatrix& BandedMatrix::operator*=(double factor) {
   for (std::vector<double>* entries : {&diagonal, &off_diagonal, &skew})
     for (double& entry : *entries) entry *= factor;
   for (OneSidedRow& one : one_sided)
@@ -15,21 +15,21 @@ SymmetricTridiagonal& SymmetricTridiagonal::operator*=(double factor) {
   return *this;
 }
 
-double SymmetricTridiagonal::diagonal_entry(std::size_t i) const {
+double BandedMatrix::diagonal_entry(std::size_t i) const {
   double entry = diagonal[i];
   for (const OneSidedRow& one : one_sided)
     if (one.row == i) entry += one.entries[0];
   return entry;
 }
 
-std::array<double, 3> SymmetricTridiagonal::end_row(bool last) const {
+std::array<double, 3> BandedMatrix::end_row(bool last) const {
   std::array<double, 3> row = one_sided_entries(last ? size() - 1 : 0, last);
   row[0] += last ? diagonal.back() : diagonal.front();
   if (!off_diagonal.empty()) row[1] += last ? off_diagonal.back() : off_diagonal.front();
   return row;
 }
 
-void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double> out) const {
+void BandedMatrix::multiply(std::span<const double> x, std::span<double> out) const {
   const std::size_t n = size();
   assert(x.size() == n && out.size() == n);
   if (off_diagonal.empty()) {
@@ -47,14 +47,14 @@ void SymmetricTridiagonal::multiply(std::span<const double> x, std::span<double>
   for (const OneSidedRow& one : one_sided) out[one.row] += one.times(x);
 }
 
-double SymmetricTridiagonal::quadratic_form(std::span<const double> x) const {
+double BandedMatrix::quadratic_form(std::span<const double> x) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < size(); ++i) sum += diagonal[i] * x[i] * x[i];
   for (std::size_t i = 0; i < off_diagonal.size(); ++i) sum += 2.0 * off_diagonal[i] * x[i] * x[i + 1];
   return sum;
 }
 
-void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
+void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   inverse_pivot_.resize(n);
   lower_.resize(matrix.off_diagonal.size());
@@ -80,7 +80,7 @@ void TridiagonalFactor::factorise(const SymmetricTridiagonal& matrix) {
   if (!positive) throw std::domain_error("tridiagonal matrix is not positive definite");
 }
 
-void TridiagonalFactor::factorise_patched(const SymmetricTridiagonal& matrix) {
+void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   assert(matrix.off_diagonal.size() + 1 == n);
   auto row = matrix.one_sided.begin();
@@ -220,9 +220,9 @@ void TridiagonalFactor::solve(std::span<double> x) const {
 namespace {
 
 // (T + sum over r of e_r f_r^T)^{-1} = T^{-1} - T^{-1} E S^{-1} F^T T^{-1},  S = I + F^T T^{-1} E
-void add_one_sided(const SymmetricTridiagonal& matrix, std::vector<double>& inverse_diagonal) {
+void add_one_sided(const BandedMatrix& matrix, std::vector<double>& inverse_diagonal) {
   const std::size_t n = matrix.size(), count = matrix.one_sided.size();
-  SymmetricTridiagonal inner = matrix;
+  BandedMatrix inner = matrix;
   inner.one_sided.clear();
   const TridiagonalFactor factor(inner);
   for (double& entry : inner.skew) entry = -entry;
@@ -262,7 +262,7 @@ void add_one_sided(const SymmetricTridiagonal& matrix, std::vector<double>& inve
 
 }  // namespace
 
-std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix) {
+std::vector<double> inverse_diagonal(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   std::vector<double> forward(matrix.diagonal), backward(matrix.diagonal), result(n);
   if (!matrix.off_diagonal.empty()) {

@@ -132,7 +132,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   for (const bool right : {false, true}) {
     const EndInput& input = inputs_[right];
     if (walls_[right] || (input.stiffness == 0.0 && input.dashpot == 0.0 && input.mass == 0.0)) continue;
-    mounts_.push_back({end(right), input.stiffness, input.dashpot, input.mass});
+    supports_.push_back({end(right), input.stiffness, input.dashpot, input.mass});
   }
   const bool moved = inputs_[0].motion || inputs_[1].motion;
   if (moved && scene.span)
@@ -152,7 +152,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (!moved) whole_inertia_ = {};
 
   if (scene.load) {
-    const SymmetricTridiagonal load_mass =
+    const BandedMatrix load_mass =
         assembled(*pieces_, [&](const Piece& piece) { return mass_matrix(piece.mesh, mass, piece.section.get()); });
     const auto weighted = [&](const SpaceFunction& profile, const Places& places) {
       std::vector<double> values(mesh.nodes()), product = moments_of("the load", profile, places, Moments::of_load);
@@ -237,10 +237,10 @@ std::size_t BarSystem::element_at(std::size_t unknown) const {
 
 // The data at the beginning do not depend on them.
 void BarSystem::add_masses() {
-  if (std::ranges::all_of(mounts_, [](const Mount& mount) { return mount.mass == 0.0; })) return;
-  for (const Mount& mount : mounts_) {
-    inertia_.diagonal[mount.unknown] += mount.mass;
-    whole_inertia_.diagonal[mount.unknown + first_node()] += mount.mass;
+  if (std::ranges::all_of(supports_, [](const Support& support) { return support.mass == 0.0; })) return;
+  for (const Support& support : supports_) {
+    inertia_.diagonal[support.unknown] += support.mass;
+    whole_inertia_.diagonal[support.unknown + first_node()] += support.mass;
   }
   massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
   if (moving()) enter_frame();
@@ -283,8 +283,8 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
     uniform_force(u, w, out);
   else
     inverse_rate_.empty() ? graded_force(u, w, out) : unlike_force(u, w, out);
-  for (const Mount& mount : mounts_)
-    out[mount.unknown] -= mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
+  for (const Support& support : supports_)
+    out[support.unknown] -= support.stiffness * u[support.unknown] + support.dashpot * w[support.unknown];
   if (side_) side_->subtract(side_->resistance(displacement_at_nodes(u), at_nodes(w)), first_node(), size(), out);
 }
 
@@ -351,7 +351,7 @@ double BarSystem::stiffness_diagonal(std::size_t i) const {
   return sum_beside(inverse_spacing_, i + first_node());
 }
 
-void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+void BarSystem::dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const {
   const double scale = c * bar_.viscosity + k * bar_.modulus;
   if (rows_alike())
     uniform_stiffness(m, scale, out);
@@ -363,11 +363,11 @@ void BarSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiag
   out.one_sided = inertia_.one_sided;
   for (OneSidedRow& one : out.one_sided)
     for (double& entry : one.entries) entry *= m;
-  for (const Mount& mount : mounts_) out.diagonal[mount.unknown] += c * mount.dashpot + k * mount.stiffness;
+  for (const Support& support : supports_) out.diagonal[support.unknown] += c * support.dashpot + k * support.stiffness;
   if (side_) side_->add_to(out, first_node(), c, k);
 }
 
-void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+void BarSystem::uniform_stiffness(double m, double scale, BandedMatrix& out) const {
   const std::size_t n = size();
   const double off = -scale / mesh_.spacing();
   out.diagonal.resize(n);
@@ -382,7 +382,7 @@ void BarSystem::uniform_stiffness(double m, double scale, SymmetricTridiagonal& 
     for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia_.off_diagonal[i] + off;
 }
 
-void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const {
+void BarSystem::graded_stiffness(double m, double scale, BandedMatrix& out) const {
   const std::size_t n = size(), first = first_node();
   out.diagonal.resize(n);
   out.off_diagonal.resize(n - 1);
@@ -393,7 +393,7 @@ void BarSystem::graded_stiffness(double m, double scale, SymmetricTridiagonal& o
   }
 }
 
-void BarSystem::unlike_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+void BarSystem::unlike_stiffness(double m, double c, double k, BandedMatrix& out) const {
   const std::size_t n = size(), first = first_node();
   out.diagonal.resize(n);
   out.off_diagonal.resize(n - 1);
@@ -422,12 +422,12 @@ double BarSystem::squared_strain_rate(std::span<const double> w) const {
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {
   double sum = 0.5 * inertia_.quadratic_form(w) + 0.5 * bar_.modulus * squared_strain(u);
-  for (const Mount& mount : mounts_) sum += 0.5 * mount.stiffness * u[mount.unknown] * u[mount.unknown];
+  for (const Support& support : supports_) sum += 0.5 * support.stiffness * u[support.unknown] * u[support.unknown];
   return side_ ? sum + side_->energy(displacement_at_nodes(u)) : sum;
 }
 
 bool BarSystem::has_dashpots() const {
-  return std::ranges::any_of(mounts_, [](const Mount& mount) { return mount.dashpot > 0.0; });
+  return std::ranges::any_of(supports_, [](const Support& support) { return support.dashpot > 0.0; });
 }
 
 void BarSystem::expand_displacement(std::span<const double> u, std::span<double> nodal) const {

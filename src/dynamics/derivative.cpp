@@ -32,7 +32,7 @@ BarSystem in_frame_of(const BarSystem& bar, BarSystem data, const std::optional<
 }
 
 // The data of s: springs, dashpots and masses are those of the bar.
-Scene mounted(Scene data, const BarSystem& bar) {
+Scene with_supports(Scene data, const BarSystem& bar) {
   data.side.reset();
   for (const auto& [input, of_bar] :
        {std::pair{&data.left_input, &bar.inputs()[0]}, {&data.right_input, &bar.inputs()[1]}})
@@ -72,7 +72,8 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
 
 Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction)
     : system_(system),
-      data_(in_frame_of(system.bar(), {mounted(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()},
+      data_(in_frame_of(system.bar(),
+                        {with_supports(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()},
                         direction.beside)),
       motion_(data_, penalty),
       added_(system.size(), 0.0) {
@@ -88,12 +89,12 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   if (system.bar().is_chain()) take_chain(direction);
   if (direction.beside) take_difference(direction);
   if (direction.epsilon != 0.0) relative_change_ += std::abs(direction.epsilon / *penalty.epsilon);
-  for (const Mount& mount : system.bar().mounts()) {
-    const bool right = system.bar().is_right(mount.unknown);
+  for (const Support& support : system.bar().supports()) {
+    const bool right = system.bar().is_right(support.unknown);
     const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
-    const double mass = rates.mass - inertia_ * mount.mass;
+    const double mass = rates.mass - inertia_ * support.mass;
     if (rates.stiffness == 0.0 && rates.dashpot == 0.0 && mass == 0.0) continue;
-    mounts_.push_back({mount.unknown, rates.stiffness, rates.dashpot, mass});
+    supports_.push_back({support.unknown, rates.stiffness, rates.dashpot, mass});
     relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
                         std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density) +
                         std::abs(rates.mass) / (bar.density * bar.length);
@@ -120,9 +121,9 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       rates.stiffness = law.stiffness * stiffer;
       rates.damping = 0.5 * law.damping * (stiffer + inertia_);
       if (chain_ && law.damping > 0.0) rates.damping += 0.5 * law.damping * mass_growth(contact);
-      for (const Mount& mount : mounts_)
-        if (mount.unknown == contact.unknown && law.damping > 0.0 && !chain_)
-          rates.damping += 0.5 * law.damping * mount.mass / system.bar().contact_mass(contact);
+      for (const Support& support : supports_)
+        if (support.unknown == contact.unknown && law.damping > 0.0 && !chain_)
+          rates.damping += 0.5 * law.damping * support.mass / system.bar().contact_mass(contact);
       if (direction.restitution != 0.0 && !system.bar().massless(contact.unknown))
         rates.damping += 2.0 * damping_ratio_rate(penalty.restitution) * direction.restitution *
                          std::sqrt(law.stiffness * system.bar().contact_mass(contact));
@@ -141,7 +142,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
-  driven_ = chain_ || !mounts_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
+  driven_ = chain_ || !supports_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.add_force(added_, {});
 }
@@ -273,7 +274,7 @@ void Derivative::drive(const Moment& at) {
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
   if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.first_node(), n, added_);
-  for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
+  for (const auto& [node, stiffness, dashpot, mass] : supports_) {
     const bool right = bar.is_right(node);
     added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(right)) +
                     mass * ((at.a.empty() ? 0.0 : at.a[node]) + lift_[2].of(right));
@@ -318,7 +319,7 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
     side_->subtract(side_->resistance(at(velocity), at(acceleration)), bar.first_node(), rate.size(), rate);
   }
   bool massive = inertia_ != 0.0;
-  for (const auto& [node, stiffness, dashpot, mass] : mounts_) {
+  for (const auto& [node, stiffness, dashpot, mass] : supports_) {
     const bool right = bar.is_right(node);
     rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right);
     massive |= mass != 0.0;
@@ -328,7 +329,8 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const Lift early = system_.lift(before, 2), late = system_.lift(after, 2);
   const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= lift_inertia(i, jerk);
-  for (const Mount& mount : mounts_) rate[mount.unknown] -= mount.mass * jerk.of(bar.is_right(mount.unknown));
+  for (const Support& support : supports_)
+    rate[support.unknown] -= support.mass * jerk.of(bar.is_right(support.unknown));
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
@@ -391,7 +393,7 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
 double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,
                             std::span<const double> rate) const {
   const std::size_t n = s.size();
-  const auto row = [&](const SymmetricTridiagonal& inertia, std::span<const double> x) {
+  const auto row = [&](const BandedMatrix& inertia, std::span<const double> x) {
     double sum = inertia.diagonal[end] * x[end];
     if (!inertia.off_diagonal.empty() && n > 1)
       sum += inertia.off_diagonal[end == 0 ? 0 : end - 1] * x[end == 0 ? 1 : end - 1];
@@ -407,17 +409,17 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
                bar.bar().viscosity / bar.rate_stretch_at(end) * stretch(end, s, {}, data_) +
                viscous_of(bar.element_at(end)) * stretch(end, at.u, system_.origin(), bar);
   if (bar.moving()) sum += lift_inertia(end, lift_[1]) + viscous_of(bar.element_at(end)) * lift_stretch(end, lift_[0]);
-  for (const Mount& mount : bar.mounts())
-    if (mount.unknown == end) sum += mount.dashpot * s[end];
+  for (const Support& support : bar.supports())
+    if (support.unknown == end) sum += support.dashpot * s[end];
   if (const SideRows* own = bar.side()) {
     const auto of_s = data_.displacement_at_nodes(s);
     sum += own->at_end(bar.is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
   }
   if (side_)
     sum += side_->at_end(bar.is_right(end), [&, u = placed(at.u)](std::size_t j) { return side_->drag(j) * u(j); });
-  for (const Mount& mount : mounts_)
-    if (mount.unknown == end)
-      sum += mount.dashpot * displacement(end, at.u) + mount.mass * (at.w[end] + lift_[1].of(bar.is_right(end)));
+  for (const Support& support : supports_)
+    if (support.unknown == end)
+      sum += support.dashpot * displacement(end, at.u) + support.mass * (at.w[end] + lift_[1].of(bar.is_right(end)));
   return sum;
 }
 
@@ -425,10 +427,10 @@ double Derivative::elastic_row(std::size_t end, double u, double u_stretch, doub
   const BarSystem& bar = system_.bar();
   const std::size_t element = bar.element_at(end);
   double sum = bar.bar().modulus / bar.stretch(element) * s_stretch + elastic_of(element) * u_stretch;
-  for (const Mount& mount : bar.mounts())
-    if (mount.unknown == end) sum += mount.stiffness * s;
-  for (const Mount& mount : mounts_)
-    if (mount.unknown == end) sum += mount.stiffness * u;
+  for (const Support& support : bar.supports())
+    if (support.unknown == end) sum += support.stiffness * s;
+  for (const Support& support : supports_)
+    if (support.unknown == end) sum += support.stiffness * u;
   return sum;
 }
 
@@ -454,7 +456,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   bar.add_lift(lift_[1], w);
   expand(at.t, s, rate, of_u, of_w);
   const bool whole = bar.moving();
-  const SymmetricTridiagonal& inertia = whole ? bar.whole_inertia() : bar.inertia();
+  const BandedMatrix& inertia = whole ? bar.whole_inertia() : bar.inertia();
   const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
   const double *v = w.data() + first, *of_v = of_w.data() + first;
   double sum = 0.5 * (chain_ ? (whole ? chain_->whole : chain_->inertia).quadratic_form({v, n})
@@ -469,10 +471,11 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));
   if (side_) sum += side_->energy(nodal(u));
-  const auto end = [&](const Mount& mount) { return mount.unknown + bar.first_node(); };
-  for (const Mount& mount : bar.mounts()) sum += mount.stiffness * u[end(mount)] * of_u[end(mount)];
-  for (const Mount& mount : mounts_)
-    sum += 0.5 * mount.stiffness * u[end(mount)] * u[end(mount)] + 0.5 * mount.mass * w[end(mount)] * w[end(mount)];
+  const auto end = [&](const Support& support) { return support.unknown + bar.first_node(); };
+  for (const Support& support : bar.supports()) sum += support.stiffness * u[end(support)] * of_u[end(support)];
+  for (const Support& support : supports_)
+    sum += 0.5 * support.stiffness * u[end(support)] * u[end(support)] +
+           0.5 * support.mass * w[end(support)] * w[end(support)];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const double clearance = system_.clearance(i, at.u);
     if (system_.holds(i) || system_.moves(i) || clearance >= 0.0) continue;

@@ -103,11 +103,11 @@ class Derivative {
   /// Derivatives of the matrices of a chain, or of a difference: rho'/rho + L'/L of each bar in M, E' - E L'/L and eta'
   /// - eta L'/L over int dx / A of each element, those of joints that are springs among them.
   struct ChainRates {
-    SymmetricTridiagonal inertia;
+    BandedMatrix inertia;
     std::array<std::array<double, 3>, 2> held;  ///< rows of it of fixed ends
     std::vector<double> elastic, viscous;       ///< of each element
     UnitStiffness stiffness, viscosity;         ///< of those
-    SymmetricTridiagonal whole;                 ///< that of inertia with fixed ends, where the frame moves
+    BandedMatrix whole;                         ///< that of inertia with fixed ends, where the frame moves
   };
 
   /// `system` outlives it.
@@ -129,14 +129,14 @@ class Derivative {
   void take_contacts();
   /// Derivatives of the matrices of the bar, its contacts apart.
   struct MatrixRates {
-    double inertia;                 ///< of rho M, relative to it
-    double viscosity, modulus;      ///< of eta K and of E K: so many times K
-    std::span<const Mount> mounts;  ///< of springs, dashpots and, as above, masses
-    const SideRows* side;           ///< k' + k L'/L and c' + c L'/L; null: none
-    const ChainRates* chain;        ///< in place of the first three; null: of one bar
+    double inertia;                     ///< of rho M, relative to it
+    double viscosity, modulus;          ///< of eta K and of E K: so many times K
+    std::span<const Support> supports;  ///< of springs, dashpots and, as above, masses
+    const SideRows* side;               ///< k' + k L'/L and c' + c L'/L; null: none
+    const ChainRates* chain;            ///< in place of the first three; null: of one bar
   };
   MatrixRates matrix_rates() const {
-    return {inertia_, viscosity_, modulus_, mounts_, side_ ? &*side_ : nullptr, chain_ ? &*chain_ : nullptr};
+    return {inertia_, viscosity_, modulus_, supports_, side_ ? &*side_ : nullptr, chain_ ? &*chain_ : nullptr};
   }
   /// out = (rho M)' x of a chain, springs and masses of its ends included. O(n)
   void multiply_chain_inertia(std::span<const double> x, std::span<double> out) const;
@@ -221,7 +221,7 @@ class Derivative {
   double relative_change_;                // of what the bar and its contacts are made of
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;
-  std::vector<Mount> mounts_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
+  std::vector<Support> supports_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
   std::optional<SideRows> side_;
   std::optional<ChainRates> chain_;
   std::vector<double> added_, product_;

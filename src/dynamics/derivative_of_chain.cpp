@@ -15,10 +15,10 @@ void Derivative::take_chain(const Direction& direction) {
   std::vector<double> elastic(bar.mesh().elements, 0.0), viscous(elastic);
   const auto inertia_of = [&](const Piece& piece) {
     const Bar& rates = direction.members[static_cast<std::size_t>(&piece - pieces.data())].bar;
-    SymmetricTridiagonal inertia = inertia_matrix(piece.mesh, bar.mass(), false, false, piece.section.get());
+    BandedMatrix inertia = inertia_matrix(piece.mesh, bar.mass(), false, false, piece.section.get());
     return inertia *= rates.density + piece.bar.density * rates.length / piece.bar.length;
   };
-  SymmetricTridiagonal inertia = assembled(pieces, inertia_of);
+  BandedMatrix inertia = assembled(pieces, inertia_of);
   const auto change = [&](double rate, double of) { relative_change_ += std::abs(rate) / of; };
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Piece& piece = pieces[p];
@@ -50,7 +50,7 @@ void Derivative::take_chain(const Direction& direction) {
                       std::move(viscous),
                       stiffness,
                       viscosity,
-                      bar.moving() ? inertia : SymmetricTridiagonal{}};
+                      bar.moving() ? inertia : BandedMatrix{}};
   product_.resize(bar.size());
   find_start(direction, pieces);
 }
@@ -58,8 +58,7 @@ void Derivative::take_chain(const Direction& direction) {
 namespace {
 
 // Adds times (a - b); all of one form, or nothing yet.
-void add_difference(const SymmetricTridiagonal& a, const SymmetricTridiagonal& b, double times,
-                    SymmetricTridiagonal& to) {
+void add_difference(const BandedMatrix& a, const BandedMatrix& b, double times, BandedMatrix& to) {
   if (to.diagonal.empty()) {
     to = a;
     to *= 0.0;
@@ -67,8 +66,8 @@ void add_difference(const SymmetricTridiagonal& a, const SymmetricTridiagonal& b
   const auto add = [times](const auto& one, const auto& other, auto& sum) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += times * (one[i] - other[i]);
   };
-  for (std::vector<double> SymmetricTridiagonal::*part :
-       {&SymmetricTridiagonal::diagonal, &SymmetricTridiagonal::off_diagonal, &SymmetricTridiagonal::skew})
+  for (std::vector<double> BandedMatrix::*part :
+       {&BandedMatrix::diagonal, &BandedMatrix::off_diagonal, &BandedMatrix::skew})
     add(a.*part, b.*part, to.*part);
   for (std::size_t r = 0; r < to.one_sided.size(); ++r)
     add(a.one_sided[r].entries, b.one_sided[r].entries, to.one_sided[r].entries);
@@ -88,11 +87,10 @@ void Derivative::take_difference(const Direction& direction) {
   const auto whole = [&](const Scene& scene, const Mesh& mesh) {
     return inertia_of(pieces_of(scene, mesh), bar.mass(), massless);
   };
-  const SymmetricTridiagonal late = whole(beside.after, beside.mesh_after),
-                             early = whole(beside.before, beside.mesh_before);
-  const auto unknowns = [&](const SymmetricTridiagonal& all) { return restrict_to(all, bar.first_node(), bar.size()); };
+  const BandedMatrix late = whole(beside.after, beside.mesh_after), early = whole(beside.before, beside.mesh_before);
+  const auto unknowns = [&](const BandedMatrix& all) { return restrict_to(all, bar.first_node(), bar.size()); };
   if (!chain_) {  // of one bar, whose own numbers are told by the first three
-    SymmetricTridiagonal own = whole(direction.data, bar.mesh());
+    BandedMatrix own = whole(direction.data, bar.mesh());
     own *= inertia_;
     chain_ = ChainRates{
         unknowns(own), {own.end_row(false), own.end_row(true)}, {}, {}, UnitStiffness(bar), UnitStiffness(bar), own};
@@ -160,7 +158,7 @@ State Derivative::initial_state() const {
 
 void Derivative::multiply_chain_inertia(std::span<const double> x, std::span<double> out) const {
   chain_->inertia.multiply(x, out);
-  for (const Mount& mount : mounts_) out[mount.unknown] += mount.mass * x[mount.unknown];
+  for (const Support& support : supports_) out[support.unknown] += support.mass * x[support.unknown];
 }
 
 // m'/m of BarSystem::contact_mass, 1/m = d.(rho M)^{-1} d: m d.(rho M)^{-1} (rho M)' (rho M)^{-1} d.

@@ -118,7 +118,7 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
       return;
     }
     row.constant += modulus * (origin_at(*next) - origin_at(i));
-    const SymmetricTridiagonal& inertia = bar_.inertia();
+    const BandedMatrix& inertia = bar_.inertia();
     const double coupling = inertia.is_diagonal() ? 0.0 : *next < i ? inertia.below(*next) : inertia.above(i);
     row.neighbours[row.count++] = {*next, modulus, viscosity, coupling};
   };
@@ -136,10 +136,10 @@ PenalisedSystem::RelaxingRow PenalisedSystem::resting_row(std::size_t contact_in
     row.rate += laws_[c].stiffness, damping += laws_[c].damping;
     row.constant -= contact(c).sign * laws_[c].stiffness * offsets_[c];
   }
-  for (const Mount& mount : bar_.mounts()) {
-    if (mount.unknown != i) continue;
-    row.rate += mount.stiffness, damping += mount.dashpot;
-    row.constant -= mount.stiffness * origin_at(i);
+  for (const Support& support : bar_.supports()) {
+    if (support.unknown != i) continue;
+    row.rate += support.stiffness, damping += support.dashpot;
+    row.constant -= support.stiffness * origin_at(i);
   }
   if (const SideRows* side = bar_.side()) {
     const auto entry = [&](std::size_t column) {

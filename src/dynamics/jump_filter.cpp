@@ -65,8 +65,8 @@ JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
     return;
   // Springs along the bar that the mesh does not resolve give its long waves the frequencies of short ones.
   if (bar.side() && h * h * bar.side()->largest_stiffness() > 0.1 * material.modulus) return;
-  for (const Mount& mount : bar.mounts())
-    if (mount.dashpot >= 0.5 * impedance) deaf_[bar.is_right(mount.unknown)] = true;
+  for (const Support& support : bar.supports())
+    if (support.dashpot >= 0.5 * impedance) deaf_[bar.is_right(support.unknown)] = true;
   if (!(deaf_[0] && deaf_[1])) share_ = std::pow(std::max(0.0, 1.0 - 2.0 * viscous * viscous), 4);
   scale_ = h * h * material.density / material.modulus;
 }
@@ -76,10 +76,10 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
   const std::size_t n = bar_.size();
   std::array<bool, 2> held{};
   double stiffness = 0.0;
-  for (const Mount& mount : bar_.mounts()) {
-    const double kappa = mount.stiffness * bar_.mesh().spacing() / bar_.bar().modulus;
+  for (const Support& support : bar_.supports()) {
+    const double kappa = support.stiffness * bar_.mesh().spacing() / bar_.bar().modulus;
     const bool is_stiff = kappa > stiffest;
-    held[bar_.is_right(mount.unknown)] |= is_stiff;
+    held[bar_.is_right(support.unknown)] |= is_stiff;
     if (!is_stiff) stiffness = std::max(stiffness, kappa);
   }
   for (std::size_t i = 0; i < system.contact_count(); ++i)
@@ -97,7 +97,7 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
 }
 
 void JumpFilter::factorise() {
-  SymmetricTridiagonal inertia = bar_.inertia();
+  BandedMatrix inertia = bar_.inertia();
   for (const bool right : {false, true}) {
     double& end = inertia.diagonal[bar_.end(right)];
     end = (*held_)[right] ? std::numeric_limits<double>::infinity() : end + added_.mass[right];
@@ -108,8 +108,8 @@ void JumpFilter::factorise() {
 void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) const {
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().modulus;
-  for (const Mount& mount : bar_.mounts())
-    out[mount.unknown] += (mount.stiffness + added_.stiffness[bar_.is_right(mount.unknown)]) * x[mount.unknown];
+  for (const Support& support : bar_.supports())
+    out[support.unknown] += (support.stiffness + added_.stiffness[bar_.is_right(support.unknown)]) * x[support.unknown];
   if (const SideRows* side = bar_.side())
     side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.at_nodes(x)(j); }, bar_.first_node(),
                    bar_.size(), out);
@@ -118,7 +118,7 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().viscosity;
-  for (const Mount& mount : bar_.mounts()) out[mount.unknown] += mount.dashpot * x[mount.unknown];
+  for (const Support& support : bar_.supports()) out[support.unknown] += support.dashpot * x[support.unknown];
   if (const SideRows* side = bar_.side())
     side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.at_nodes(x)(j); }, bar_.first_node(), bar_.size(),
                    out);
@@ -169,7 +169,7 @@ void JumpFilter::quieten(std::span<double> x) const {
 // The dashpot of an end answers its step with an impulse on the node, the high modes apart.
 void JumpFilter::answer_with_dashpots(std::span<const double> step, std::span<double> w) {
   impulse_.assign(w.size(), 0.0);
-  for (const Mount& mount : bar_.mounts()) impulse_[mount.unknown] = -mount.dashpot * step[mount.unknown];
+  for (const Support& support : bar_.supports()) impulse_[support.unknown] = -support.dashpot * step[support.unknown];
   factor_.solve(impulse_);
   std::vector<double> high(w.size());
   take_high_part(impulse_, high);
@@ -256,7 +256,7 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     const auto at = [this](std::span<const double> of) { return bar_.at_nodes(of); };
     rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.first_node(), force.size(), force);
   }
-  for (const auto& [node, stiffness, dashpot, mass] : rates.mounts)
+  for (const auto& [node, stiffness, dashpot, mass] : rates.supports)
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }
 
@@ -296,15 +296,15 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   const Bar& bar = bar_.bar();
   const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
   // A is a pure number but for its springs, k h / E, and its masses, m / (rho h).
-  Added mounts;
+  Added supports;
   std::array<double, 2> dashpots{};
-  for (const Mount& mount : bar_.mounts())
-    mounts.stiffness[bar_.is_right(mount.unknown)] -= mount.stiffness * rates.modulus / bar.modulus;
-  for (const Mount& mount : rates.mounts) {
-    const bool right = bar_.is_right(mount.unknown);
-    mounts.stiffness[right] += mount.stiffness;
-    mounts.mass[right] += mount.mass;
-    dashpots[right] += mount.dashpot;
+  for (const Support& support : bar_.supports())
+    supports.stiffness[bar_.is_right(support.unknown)] -= support.stiffness * rates.modulus / bar.modulus;
+  for (const Support& support : rates.supports) {
+    const bool right = bar_.is_right(support.unknown);
+    supports.stiffness[right] += support.stiffness;
+    supports.mass[right] += support.mass;
+    dashpots[right] += support.dashpot;
   }
   const std::size_t n = s.size();
   const auto applied_to = [this](std::span<const double> jump) {
@@ -316,12 +316,12 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   std::vector<double> change(n);
   apply(rate);
   for (std::size_t i = 0; i < n; ++i) rate[i] += growth * shift_w_[i];
-  add_slope(mounts, applied_to(jump_rate_), rate);
+  add_slope(supports, applied_to(jump_rate_), rate);
   damping(rate, change);
   for (std::size_t i = 0; i < n; ++i) force[i] -= change[i];
   add_changes(derivative, {}, shift_w_, force);
   apply(force);
-  add_slope(mounts, applied_to(jump_force_), force);
+  add_slope(supports, applied_to(jump_force_), force);
   for (std::size_t i = 0; i < n; ++i) {
     s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
     s_rate[i] += rate[i];
@@ -330,9 +330,9 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   const std::vector<double> impulse = impulse_;
   answer_with_dashpots(force, s_rate);
   std::ranges::fill(change, 0.0);
-  for (const Mount& mount : bar_.mounts())
-    change[mount.unknown] = -dashpots[bar_.is_right(mount.unknown)] * shift_u_[mount.unknown];
-  for (const Mount& mount : rates.mounts) change[mount.unknown] -= mount.mass * impulse[mount.unknown];
+  for (const Support& support : bar_.supports())
+    change[support.unknown] = -dashpots[bar_.is_right(support.unknown)] * shift_u_[support.unknown];
+  for (const Support& support : rates.supports) change[support.unknown] -= support.mass * impulse[support.unknown];
   factor_.solve(change);
   for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
   take_high_part(change, force);
@@ -340,7 +340,7 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   take_high_part(impulse, force);
   for (std::size_t i = 0; i < n; ++i) force[i] *= fading;
   add_slope(
-      mounts, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
+      supports, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
   for (std::size_t i = 0; i < n; ++i) s_rate[i] -= force[i];
   impulse_ = impulse;
 }

@@ -169,7 +169,7 @@ Lift LoadVector::lift(double t, int derivative) const {
 }
 
 // The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear in one
-// bar, and what that does to the mounts.
+// bar, and what that does to the supports.
 std::array<double, 2> LoadVector::end_forces(double t) const {
   std::array<double, 2> forces{};
   for (const bool right : {false, true})
@@ -185,9 +185,9 @@ std::array<double, 2> LoadVector::end_forces(double t) const {
           ? 0.0
           : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
   std::array<double, 2> of_lift = {pull, -pull};
-  for (const Mount& mount : system_.mounts()) {
-    const bool right = system_.is_right(mount.unknown);
-    of_lift[right] -= mount.stiffness * at.of(right) + mount.dashpot * rate.of(right);
+  for (const Support& support : system_.supports()) {
+    const bool right = system_.is_right(support.unknown);
+    of_lift[right] -= support.stiffness * at.of(right) + support.dashpot * rate.of(right);
   }
   return {forces[0] + of_lift[0], forces[1] + of_lift[1]};
 }

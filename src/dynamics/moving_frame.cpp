@@ -184,9 +184,9 @@ BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const dou
     energy.kinetic = 0.5 * inertia_.quadratic_form(v.subspan(first_node(), size()));
     energy.elastic = 0.5 * bar_.modulus * squared_strain(u.subspan(first_node(), size()));
   }
-  for (const Mount& mount : mounts_) {
-    const double at = u[mount.unknown + first_node()];
-    energy.elastic += 0.5 * mount.stiffness * at * at;
+  for (const Support& support : supports_) {
+    const double at = u[support.unknown + first_node()];
+    energy.elastic += 0.5 * support.stiffness * at * at;
   }
   if (side_) energy.elastic += side_->energy([u](std::size_t j) { return u[j]; });
   return energy;
@@ -207,10 +207,10 @@ BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span
 double BarSystem::end_lift_loss(const Lift& rate, double left, double right) const {
   const double strain_rate = chain_ ? 0.0 : (rate.right - rate.left) / whole_stretch();
   double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * whole_stretch());
-  for (const Mount& mount : mounts_) {
-    const bool at_right = is_right(mount.unknown);
+  for (const Support& support : supports_) {
+    const bool at_right = is_right(support.unknown);
     const double frame = rate.of(at_right);
-    sum += mount.dashpot * frame * (2.0 * (at_right ? right : left) + frame);
+    sum += support.dashpot * frame * (2.0 * (at_right ? right : left) + frame);
   }
   return sum;
 }

@@ -27,8 +27,7 @@ PenalisedSystem::PenalisedSystem(const BarSystem& bar, const Penalty& penalty)
       throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
     const std::size_t i = by_law_.size(), node = contact.unknown;
     const bool met = is_met_elsewhere(i, node);
-    by_law_.push_back(contact.joint == 0 ? met
-                                         : !is_of_bar(i) && (!rigid_ || (met && is_met_elsewhere(i, node - 1))));
+    by_law_.push_back(contact.joint == 0 ? met : !is_of_bar(i) && (!rigid_ || (met && is_met_elsewhere(i, node - 1))));
     if (rigid_ && by_law_.back())
       throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
     if (rigid_ && size() < 2)
@@ -216,7 +215,7 @@ PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
   const bool of_bar = is_of_bar(i), to_right = of_bar ? bar_.is_element_of_bar(right) : !is_met_elsewhere(i, b);
   const std::size_t node = to_right ? b : b - 1;
   JointRow row{.node = node, .next = node, .beyond = node, .sign = to_right ? 1.0 : -1.0, .scale = 0.0};
-  const SymmetricTridiagonal& inertia = bar_.inertia();
+  const BandedMatrix& inertia = bar_.inertia();
   row.inertia[0] = inertia.diagonal[node];
   if (to_right ? right < bar_.mesh().elements : right > 1) {
     const std::size_t element = to_right ? right : right - 2;
@@ -232,8 +231,8 @@ PenalisedSystem::JointRow PenalisedSystem::joint_row(std::size_t i) const {
     }
   }
   row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar_.bar().modulus / bar_.stretch_at(b);
-  for (const Mount& mount : bar_.mounts())
-    if (mount.unknown == node) row.ground_stiffness += mount.stiffness, row.ground_viscosity += mount.dashpot;
+  for (const Support& support : bar_.supports())
+    if (support.unknown == node) row.ground_stiffness += support.stiffness, row.ground_viscosity += support.dashpot;
   if (!of_bar) return row;
   const std::array<double, 3> one_sided = inertia.one_sided_entries(node, !to_right);
   for (std::size_t k = 0; k < 3; ++k) row.inertia[k] += one_sided[k];
@@ -271,7 +270,7 @@ void PenalisedSystem::add_joint_weights(std::size_t i, IndicatorWeights& weights
 
 // Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
 std::array<double, 2> PenalisedSystem::inertia_beside(std::size_t end) const {
-  const SymmetricTridiagonal& inertia = bar_.inertia();
+  const BandedMatrix& inertia = bar_.inertia();
   if (inertia.off_diagonal.empty()) return {0.0, 0.0};
   const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];
   if (inertia.one_sided.empty()) return {beside, 0.0};
@@ -290,9 +289,9 @@ double PenalisedSystem::indicator_offset(std::size_t i, double t) {
     return row.sign * (row.stiffness / row.scale * (origins[1] - origins[0]) - force / row.scale);
   }
   double neighbours = contact(i).clearance(origin_at(neighbour(node)));
-  for (const Mount& mount : bar_.mounts())
-    if (mount.unknown == node)
-      neighbours += mount.stiffness * contact(i).gap * bar_.stretch_at(node) / bar_.bar().modulus;
+  for (const Support& support : bar_.supports())
+    if (support.unknown == node)
+      neighbours += support.stiffness * contact(i).gap * bar_.stretch_at(node) / bar_.bar().modulus;
   if (const SideRows* side = bar_.side(); side && collides(i)) {
     const auto resting = [&](std::size_t j) {
       const std::size_t unknown = j - bar_.first_node();
@@ -343,7 +342,7 @@ void PenalisedSystem::force(double t, std::span<const double> u, std::span<const
   }
 }
 
-void PenalisedSystem::dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const {
+void PenalisedSystem::dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const {
   bar_.dynamic_stiffness(m, c, k, out);
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     if (!closed(i)) continue;
@@ -363,7 +362,7 @@ void PenalisedSystem::accelerate(std::span<double> force) {
   for (std::size_t i = 0; collides_ && i < laws_.size(); ++i) holds_mass |= indicator_needs_rates(i);
   if (!holds_mass) return bar_.accelerate(force);
   if (held_from_ != revision_) {
-    SymmetricTridiagonal inertia = bar_.inertia();
+    BandedMatrix inertia = bar_.inertia();
     for (std::size_t i = 0; i < laws_.size(); ++i)
       if (indicator_needs_rates(i) && contact(i).joint > 0)
         inertia.tie(contact(i).unknown - 1);
@@ -421,7 +420,7 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
 }
 
 void PenalisedSystem::tie_joints(std::span<double> w) const {
-  SymmetricTridiagonal inertia = bar_.inertia();
+  BandedMatrix inertia = bar_.inertia();
   for (std::size_t i = 0; i < laws_.size(); ++i)
     if (contact(i).joint > 0 && closed(i) && collides(i)) inertia.tie(contact(i).unknown - 1);
   if (inertia.ties.empty()) return;

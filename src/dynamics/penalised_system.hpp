@@ -197,7 +197,7 @@ class PenalisedSystem {
   void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
 
   /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
-  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+  void dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const;
 
   /// To be called where a leg begins: the time to which the load stays smooth, `end` at most (see LoadVector::enter).
   double begin_leg(double t, double end) { return load_ ? load_->enter(t, end) : end; }
@@ -282,18 +282,18 @@ class PenalisedSystem {
   /// Makes contact i, not linear in the bar, one of that linear law here: of a derivative, which has its tangent.
   void linearise(std::size_t i, const PenaltyLaw& tangent);
 
-  /// The row beside contact i, at a joint, without the contact itself: that of the end of a bar, or of a rigid body that
-  /// no other contact meets,
+  /// The row beside contact i, at a joint, without the contact itself: that of the end of a bar, or of a rigid body
+  /// that no other contact meets,
   ///
   ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next)
   ///              + k_0 u_node + c_0 w_node - f_0 + (M (k u + c w))_node - (M f)_node,
   ///
   /// k_0, c_0 and f_0 of a spring to the ground, the last but one term that of resistance along the bar.
   struct JointRow {
-    std::size_t node, next, beyond;  ///< unknowns, from the joint inwards
-    double sign;                     ///< 1 where the row is to the right of the joint, -1 to the left
-    double scale;                    ///< E / h, by which the indicator counts N
-    double stiffness = 0.0, viscosity = 0.0;                                    ///< k, c
+    std::size_t node, next, beyond;           ///< unknowns, from the joint inwards
+    double sign;                              ///< 1 where the row is to the right of the joint, -1 to the left
+    double scale;                             ///< E / h, by which the indicator counts N
+    double stiffness = 0.0, viscosity = 0.0;  ///< k, c
     double ground_stiffness = 0.0, ground_viscosity = 0.0, ground_force = 0.0;  ///< k_0, c_0, f_0
     std::array<double, 3> inertia{}, side_stiffness{}, side_drag{};             ///< of the three nodes
   };
@@ -317,7 +317,7 @@ class PenalisedSystem {
   template <class Values>
   Values dissipated_power(auto&& w, const Values& squared_strain_rate) const {
     Values power = bar_.bar().viscosity * squared_strain_rate;
-    for (const Mount& mount : bar_.mounts()) power += mount.dashpot * w(mount.unknown) * w(mount.unknown);
+    for (const Support& support : bar_.supports()) power += support.dashpot * w(support.unknown) * w(support.unknown);
     for (std::size_t i = 0; dashpots_ && i < laws_.size(); ++i) {
       if (!closed(i)) continue;
       const std::size_t node = contact(i).unknown;
@@ -370,7 +370,7 @@ class PenalisedSystem {
   };
   EndPower end_power(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a) const;
   bool dissipates() const { return bar_.damped() || dashpots_; }  ///< by viscosity or a contact's dashpot
-  /// By those, a stop's, a mount's dashpot, drag along the bar, or impacts.
+  /// By those, a stop's, a support's dashpot, drag along the bar, or impacts.
   bool takes_energy() const {
     return dissipates() || collides_ || bar_.has_dashpots() || stops_take_ || (bar_.side() && bar_.side()->has_drag());
   }

@@ -5,8 +5,8 @@
 
 namespace viscobar {
 
-SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count) {
-  SymmetricTridiagonal part;
+BandedMatrix restrict_to(const BandedMatrix& matrix, std::size_t first, std::size_t count) {
+  BandedMatrix part;
   const auto part_of = [](std::span<const double> entries, std::size_t begin, std::size_t length) {
     const auto some = entries.subspan(begin, length);
     return std::vector<double>(some.begin(), some.end());
@@ -67,9 +67,9 @@ bool has_row_at_end(const Scene& scene, bool right) {
   return scene.chain.empty() || !scene.chain[last].rigid() || !meets_contact(scene, last, !right);
 }
 
-SymmetricTridiagonal inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
-  SymmetricTridiagonal whole = assembled(pieces, [&](const Piece& piece) {
-    SymmetricTridiagonal inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());
+BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
+  BandedMatrix whole = assembled(pieces, [&](const Piece& piece) {
+    BandedMatrix inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());
     return inertia *= piece.bar.density;
   });
   for (const Piece& piece : pieces)

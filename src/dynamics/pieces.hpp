@@ -43,24 +43,24 @@ bool has_row_at_joint(const Scene& scene, std::size_t k);
 bool has_row_at_end(const Scene& scene, bool right);
 
 /// rho M of pieces over all nodes, rigid bodies included; the ends marked have no mass where it is redistributed.
-SymmetricTridiagonal inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless);
+BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless);
 
 /// The material of each element of a chain, nothing's at joints; empty for a bar alone, whose elements are all alike.
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh);
 
 /// The rows and columns [first, first + count) of a matrix.
-SymmetricTridiagonal restrict_to(const SymmetricTridiagonal& matrix, std::size_t first, std::size_t count);
+BandedMatrix restrict_to(const BandedMatrix& matrix, std::size_t first, std::size_t count);
 
 /// The sum of of_piece(piece), a matrix of its nodes; a rigid body has none.
 template <class OfPiece>
-SymmetricTridiagonal assembled(const std::vector<Piece>& pieces, OfPiece&& of_piece) {
+BandedMatrix assembled(const std::vector<Piece>& pieces, OfPiece&& of_piece) {
   if (pieces.size() == 1) return of_piece(pieces.front());
-  SymmetricTridiagonal all;
+  BandedMatrix all;
   const std::size_t n = pieces.back().last() + 1;
   all.diagonal.assign(n, 0.0);
   for (const Piece& piece : pieces) {
     if (piece.rigid()) continue;
-    const SymmetricTridiagonal own = of_piece(piece);
+    const BandedMatrix own = of_piece(piece);
     const auto put = [&](const std::vector<double>& from, std::vector<double>& to) {
       if (from.empty()) return;
       to.resize(n - 1);

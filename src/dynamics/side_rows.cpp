@@ -14,7 +14,7 @@ bool varies(const std::vector<double>& values) {
 
 }  // namespace
 
-SideRows::SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std::vector<double> drag)
+SideRows::SideRows(BandedMatrix mass, std::vector<double> stiffness, std::vector<double> drag)
     : mass_(std::move(mass)),
       stiffness_(std::move(stiffness)),
       drag_(std::move(drag)),
@@ -24,7 +24,7 @@ double SideRows::largest_stiffness() const { return stiffness_.empty() ? 0.0 : s
 
 double SideRows::largest_drag() const { return drag_.empty() ? 0.0 : std::ranges::max(drag_); }
 
-void SideRows::add_to(SymmetricTridiagonal& out, std::size_t first, double c, double k) const {
+void SideRows::add_to(BandedMatrix& out, std::size_t first, double c, double k) const {
   const std::size_t n = out.size();
   const auto at = [&](std::size_t j) { return c * drag(j) + k * stiffness(j); };
   if (skew_) out.skew.resize(n - 1);  // zeros but for those of the inertia

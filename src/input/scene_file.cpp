@@ -163,7 +163,7 @@ Case case_of(SceneEntries& entries) {
   if (run.automatic) {
     AutomaticMethod choice = automatic_method(run);
     run.method = choice.method;
-    run.reservation = std::move(choice.reservation);
+    run.warning = std::move(choice.warning);
   }
   run.output_every = number("output.every", run.end / 100.0);
   run.files = files_of(entries);
@@ -308,7 +308,7 @@ Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
     const MethodName before = run.method;
     adapt(run);
     run.automatic = run.automatic && run.method == before;
-    if (!run.automatic) run.reservation.clear();
+    if (!run.automatic) run.warning.clear();
   }
   check_sensitivity(entries, run);
   check_restitution(entries, run);

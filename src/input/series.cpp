@@ -262,7 +262,7 @@ std::pair<std::vector<double>, std::vector<double>> measured(const SeriesTable& 
   const std::string places_name = of_places ? *of_places : name;
   const std::string named = column->substr(0, column->find_first_of("[(/")), values_name = plain_name(named);
   TraceFile read = read_traces(request.folder / *file, {"t", values_name}, {"t", named}, {}, places_name);
-  if (!read.doubts.empty()) throw std::invalid_argument(read.doubts.front());
+  if (!read.warnings.empty()) throw std::invalid_argument(read.warnings.front());
   const TraceFile::Column &at = *read.column("t"), &of = *read.column(values_name);
   const double place_ratio = ratio(at, places_name, request.place_unit, request.names_units);
   const double value_ratio = table.find("scale") ? 1.0 : ratio(of, *column, request.unit, request.names_units);

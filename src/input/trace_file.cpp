@@ -152,7 +152,7 @@ void remove_codes(const std::string& file, TraceFile& table, TraceFile::Column& 
     const auto at = std::ranges::find_if(column.values, same);
     const bool far = below > 0.0 && most > 1000.0 * below && 10 * count < sizes.size();
     if (!far && !(most > 10.0 * below && is_code(*at))) return;
-    table.doubts.push_back(fmt::format(
+    table.warnings.push_back(fmt::format(
         "{}: {} of {} values of {} are {} (the first at t = {}), all others at most {:.3g}: counted as not measured",
         file, count, sizes.size(), column.name, *at,
         table.column("t")->values[static_cast<std::size_t>(at - column.values.begin())], below));

@@ -23,10 +23,10 @@ struct TraceFile {
     std::vector<std::string> cells;  ///< of a column of words: as written, blanks and quotes around them left out
     std::vector<double> values;      ///< NaN where there is none; of a column of words all NaN
   };
-  std::vector<Column> columns;      ///< of known names
-  std::size_t rows = 0;             ///< of data
-  std::string understood;           ///< how the file was read, in a line
-  std::vector<std::string> doubts;  ///< values that were left out as codes, in sentences
+  std::vector<Column> columns;        ///< of known names
+  std::size_t rows = 0;               ///< of data
+  std::string understood;             ///< how the file was read, in a line
+  std::vector<std::string> warnings;  ///< values that were left out as codes, in sentences
 
   const Column* column(std::string_view name) const;  ///< nullptr where there is none
   Column* column(std::string_view name);              ///< nullptr where there is none

@@ -387,7 +387,7 @@ void ContactWatch::add_extremes(End& end) {
 void ContactWatch::watch(EndAccount& account, bool right) {
   const std::size_t n = system_.size(), unknown = bar_.end(right);
   const double h = bar_.stretch_at(unknown);
-  const SymmetricTridiagonal& inertia = bar_.inertia();
+  const BandedMatrix& inertia = bar_.inertia();
   const bool massless = bar_.massless(unknown);
   const std::array<double, 3> row = inertia.one_sided_entries(unknown, unknown > 0);
   End& end = ends_.emplace_back(End{&account, right, bar_.wall(!right).value_or(0.0), unknown});
@@ -396,8 +396,8 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   end.modulus = bar_.bar().modulus / h, end.viscosity = bar_.bar().viscosity / bar_.rate_stretch_at(unknown);
   end.mass = inertia.diagonal[unknown] + row[0], end.beyond = row[2];
   if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
-  for (const Mount& mount : bar_.mounts())
-    if (mount.unknown == unknown) end.stiffness = mount.stiffness, end.dashpot = mount.dashpot;
+  for (const Support& support : bar_.supports())
+    if (support.unknown == unknown) end.stiffness = support.stiffness, end.dashpot = support.dashpot;
   for (std::size_t i = 0; i < system_.contact_count(); ++i)
     if (system_.contact(i).unknown == unknown && system_.contact(i).joint == 0) end.contacts.push_back(i);
   end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {

@@ -210,7 +210,7 @@ class ContactWatch {
     bool direct = false;                              // true if R itself is integrated
     bool shut = false;                                // a contact of it is closed in the step looked at
     double modulus = 0.0, viscosity = 0.0;            // of the element beside it, over its length
-    double stiffness = 0.0, dashpot = 0.0;            // of its mount
+    double stiffness = 0.0, dashpot = 0.0;            // of its support
     double mass = 0.0, coupling = 0.0, beyond = 0.0;  // of its row of rho M, which an end row takes one further
     bool sided = false;                               // true if its row has resistance along the bar
     // None of one that is fixed in a moving frame; u_n alone where it follows, u_e, or u_e, u_n, w_e, w_n, and the w

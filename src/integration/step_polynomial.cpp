@@ -121,14 +121,14 @@ void StepPolynomial::smooth_unresolved() {
 
 // Where a of those nodes becomes 0, a change by c, that of the others changes by x, M_rr x = -M_rc c.
 void StepPolynomial::rest_unresolved(std::span<double> a) {
-  const SymmetricTridiagonal& inertia = system_.bar().inertia();
+  const BandedMatrix& inertia = system_.bar().inertia();
   if (inertia.off_diagonal.empty()) {
     for (const std::size_t i : unresolved_) a[i] = 0.0;
     return;
   }
   const std::size_t n = layout_.nodes;
   if (replaced_ != unresolved_) {
-    SymmetricTridiagonal beside = inertia;
+    BandedMatrix beside = inertia;
     for (std::size_t i = 0; i < n; ++i)
       if (beside.diagonal[i] == 0.0) beside.diagonal[i] = 1.0;  // massless
     for (const std::size_t i : unresolved_) {

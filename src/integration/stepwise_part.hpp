@@ -21,8 +21,8 @@
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"
 #include "run/contact_states.hpp"
+#include "run/notifier.hpp"
 #include "run/parts.hpp"
-#include "run/telling.hpp"
 #include "run/watchdog.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/run/run.hpp"
@@ -43,7 +43,7 @@ class StepwisePart {
         statistics_(statistics),
         times_(times),
         observers_(observers),
-        telling_(observers, statistics),
+        notifier_(observers, statistics),
         schedule_(observers, times, begin),
         search_(system, stepper, layout.size),
         watchdog_(begin, times.back()),
@@ -96,7 +96,7 @@ class StepwisePart {
       t = limit;
       statistics_.reached_time = t;
       watchdog_.step(t, statistics_.events);
-      if (!telling_.progress(t)) return std::nullopt;
+      if (!notifier_.progress(t)) return std::nullopt;
       if (change) {
         reach(t);
         stepper_.changes_at(y_);
@@ -123,7 +123,7 @@ class StepwisePart {
     each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.watchdog_);
   }
 
-  void count_seconds() { telling_.count_seconds(); }
+  void count_seconds() { notifier_.count_seconds(); }
 
   /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
   void tell_reached() {
@@ -557,13 +557,14 @@ class StepwisePart {
   void tell_closing(double t, std::size_t i, double velocity) {
     if (!goes_on(t, i)) return tell_event(t, i, Change::closing, velocity);
     const Withheld first = *std::exchange(withheld_, std::nullopt);
-    telling_.event(first.time, system_.bar(), system_.contact(i), Change::closing, first.velocity, first.sensitivities);
+    notifier_.event(first.time, system_.bar(), system_.contact(i), Change::closing, first.velocity,
+                    first.sensitivities);
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     withheld_.reset();  // events are told in their order
-    telling_.event(t, system_.bar(), system_.contact(i), change, velocity + frame_velocity(t, i),
-                   sensitivities_at(t, i));
+    notifier_.event(t, system_.bar(), system_.contact(i), change, velocity + frame_velocity(t, i),
+                    sensitivities_at(t, i));
   }
 
   std::vector<ChangeSensitivity> sensitivities_at(double t, std::size_t i) const {
@@ -583,7 +584,7 @@ class StepwisePart {
       now.energy->dissipated = entry(layout_.dissipated) + now.energy->end_inertia;
       now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
     }
-    telling_.snapshot(now);
+    notifier_.snapshot(now);
   }
 
   PenalisedSystem& system_;
@@ -592,7 +593,7 @@ class StepwisePart {
   Statistics& statistics_;
   std::span<const double> times_;
   const Observers& observers_;
-  Telling telling_;
+  Notifier notifier_;
   CheckpointSchedule schedule_;
   EventSearch search_;
   std::optional<ContactWatch> ends_;

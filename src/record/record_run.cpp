@@ -129,7 +129,7 @@ class RecordedRun {
     if (!last_.motion) {
       remove_checkpoints(place_);
       files_->take_places();
-      if (!scene_.run.reservation.empty()) warn(scene_.run.reservation);
+      if (!scene_.run.warning.empty()) warn(scene_.run.warning);
       if (last_.schedule) write_checkpoint(place_, last_);
       return;
     }

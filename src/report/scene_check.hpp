@@ -41,7 +41,7 @@ std::string side_text(const Scene& scene);
 std::string section_text(const Scene& scene);
 /// A line for each member of a chain: what it is, and how it hangs together with the next.
 std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader = NumberText::For::terminal);
-/// Forces, motion and mounts of an end, and their terms in the model, a sentence for each.
+/// Forces, motion and supports of an end, and their terms in the model, a sentence for each.
 std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end);
 std::string contact_kind(const Setup& setup);
 

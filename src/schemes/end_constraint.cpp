@@ -6,7 +6,7 @@
 
 namespace viscobar {
 
-EndConstraint::EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries)
+EndConstraint::EndConstraint(const BandedMatrix& matrix, const std::vector<Bounded>& entries)
     : factor_(matrix), active_(entries.size(), 0) {
   for (const Bounded& at : entries) {
     std::vector<double> column(matrix.size(), 0.0);

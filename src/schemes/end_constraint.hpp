@@ -27,7 +27,7 @@ class EndConstraint {
     double sign;
     bool joint;
   };
-  EndConstraint(const SymmetricTridiagonal& matrix, const std::vector<Bounded>& entries);
+  EndConstraint(const BandedMatrix& matrix, const std::vector<Bounded>& entries);
 
   /// x holds b on entry and the solution on return, with s_X x_X = bound_X bitwise where the constraint is active.
   /// `bound` and `multiplier` have one value an entry X; without a bound it is -infinity.

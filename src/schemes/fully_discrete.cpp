@@ -11,8 +11,8 @@
 #include "dynamics/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "dynamics/obstacle_motion.hpp"
+#include "run/notifier.hpp"
 #include "run/parts.hpp"
-#include "run/telling.hpp"
 #include "schemes/settled_start.hpp"
 #include "schemes/time_step.hpp"
 
@@ -42,7 +42,7 @@ class Run {
         scheme_(scheme),
         observers_(observers),
         statistics_(statistics_before(start)),
-        telling_(observers, statistics_),
+        notifier_(observers, statistics_),
         filter_(system) {
     const double steps = (times.back() - times.front()) / scheme.step;
     // An end that misses a step by rounding only is on it.
@@ -176,7 +176,7 @@ class Run {
       if (statistics_.account) account_reactions(n);
       if (observers_.snapshot && written_ < times_.size() && (times_[written_] <= reached || n == steps_))
         write_until(n);
-      if (!telling_.progress(reached)) return false;
+      if (!notifier_.progress(reached)) return false;
       if (n == steps_) return true;
       const bool due = schedule.due(reached);
       if (!was_active_.empty()) find_events(n);
@@ -397,7 +397,7 @@ class Run {
       snapshot.energy->work = statistics_.energy->work + step_->frame_energy(now);
       snapshot.energy->end_inertia = statistics_.energy->end_inertia;
     }
-    telling_.snapshot(snapshot);
+    notifier_.snapshot(snapshot);
   }
 
   // In the direction of u.
@@ -462,7 +462,7 @@ class Run {
       end.latest.raise(sign(k) * step_->reaction()[k], t);
       *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);
     }
-    if (observers_.event) telling_.told(event);
+    if (observers_.event) notifier_.told(event);
   }
 
   // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step
@@ -554,7 +554,7 @@ class Run {
   bool take_checkpoint(double t) {
     count();
     const auto outputs = static_cast<std::size_t>(std::ranges::upper_bound(times_, t) - times_.begin());
-    return telling_.checkpoint({t, outputs, statistics_, archived(*this)});
+    return notifier_.checkpoint({t, outputs, statistics_, archived(*this)});
   }
 
   void close_account() {
@@ -571,7 +571,7 @@ class Run {
       statistics_.matrix_factorisations = step_->factorisations();
       statistics_.load_evaluations = step_->load_evaluations();
     }
-    telling_.count_seconds();
+    notifier_.count_seconds();
   }
 
   [[noreturn]] void fail(Failure why, double t, const std::string& what) {
@@ -591,7 +591,7 @@ class Run {
   const FullyDiscrete& scheme_;
   const Observers& observers_;
   Statistics statistics_;  // with those of the run before it was begun from a checkpoint
-  Telling telling_;
+  Notifier notifier_;
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;

@@ -131,9 +131,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       forces_in_order(stress, scale, left, right, load, interface);
     else
       end_forces(order_, stress, scale, left, right, interface);
-    for (const Mount& mount : system_.mounts())
-      (mount.unknown == 0 ? interface.front() : interface.back()) -=
-          mount.stiffness * u[mount.unknown] + mount.dashpot * w[mount.unknown];
+    for (const Support& support : system_.supports())
+      (support.unknown == 0 ? interface.front() : interface.back()) -=
+          support.stiffness * u[support.unknown] + support.dashpot * w[support.unknown];
     if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
   };
   if (system_.damped())

@@ -46,7 +46,7 @@ void LaneScheme::evaluate_load(double t) {
 // is lever times what the matrix makes of a force.
 bool LaneScheme::factorise(double damping, double elasticity, double lever) {
   const std::size_t n = size_;
-  const SymmetricTridiagonal& pattern = pattern_.inertia;
+  const BandedMatrix& pattern = pattern_.inertia;
   const Lanes stiffness = damping * viscosity_ + elasticity * modulus_;
   for (std::size_t i = 0; i < n; ++i) {
     diagonal_[i] = pattern.diagonal[i] * inertia_ + (pattern_.stretch[i] + pattern_.stretch[i + 1]) * stiffness;
@@ -181,7 +181,7 @@ void LaneScheme::constrain(const std::array<V, 2>& excess, Get&& get, std::array
 void LaneScheme::project_start() {
   std::array<Lanes, 2> least{}, excess{};
   std::experimental::fixed_size_simd_mask<double, lane_count> held(false);
-  const SymmetricTridiagonal& pattern = pattern_.inertia;
+  const BandedMatrix& pattern = pattern_.inertia;
   const auto node = [this](bool right) { return right ? size_ - 1 : 0; };
   for (const bool right : {false, true}) {
     if (!pattern_.contact[right]) continue;

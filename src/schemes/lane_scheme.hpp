@@ -26,7 +26,7 @@ void store_part(const V& part, Lanes& lanes, std::size_t from) {
 
 /// The part of a bar's equations that all bars in lanes share: M of density and length 1, and L / h of each element.
 struct Pattern {
-  SymmetricTridiagonal inertia;    ///< n unknowns
+  BandedMatrix inertia;            ///< n unknowns
   std::vector<double> stretch;     ///< n + 1: L / h of the element before each unknown, and after the last; 0: none
   std::array<bool, 2> contact{};   ///< an obstacle at the left and the right end
   std::array<double, 2> sign{};    ///< s of it

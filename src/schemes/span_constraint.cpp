@@ -6,7 +6,7 @@
 
 namespace viscobar {
 
-SpanConstraint::SpanConstraint(const SymmetricTridiagonal& matrix)
+SpanConstraint::SpanConstraint(const BandedMatrix& matrix)
     : matrix_(matrix),
       split_(matrix),
       monotone_(matrix.one_sided.empty() && matrix.skew.empty() &&

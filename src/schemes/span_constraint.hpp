@@ -20,7 +20,7 @@ namespace viscobar {
 /// definite matrix [Judice, Pires 1994].
 class SpanConstraint {
  public:
-  explicit SpanConstraint(const SymmetricTridiagonal& matrix);
+  explicit SpanConstraint(const BandedMatrix& matrix);
 
   /// All arguments have one value an entry; x is its bound bitwise in active entries and within them bitwise in all. An
   /// entry without a bound has an infinite one.
@@ -51,8 +51,8 @@ class SpanConstraint {
   double bound(std::size_t i) const { return active_[i] == at_lower ? lower_[i] : upper_[i]; }
   void split();
 
-  SymmetricTridiagonal matrix_;
-  SymmetricTridiagonal split_;                  // matrix_ without what couples active entries to others
+  BandedMatrix matrix_;
+  BandedMatrix split_;                          // matrix_ without what couples active entries to others
   TridiagonalFactor factor_;                    // of split_
   bool monotone_;                               // an M-matrix
   std::vector<unsigned char> active_, wanted_;  // Held; as it is and as it should be

@@ -32,13 +32,13 @@ bool covers_span(const std::vector<Contact>& contacts) {
   return std::ranges::any_of(contacts, [](const Contact& one) { return one.where == Where::span; });
 }
 
-SymmetricTridiagonal step_matrix(const BarSystem& system, double dt) {
-  SymmetricTridiagonal matrix;
+BandedMatrix step_matrix(const BarSystem& system, double dt) {
+  BandedMatrix matrix;
   system.dynamic_stiffness(1.0, dt / 2, dt * dt / 2, matrix);
   return matrix;
 }
 
-LaneFactor lane_factor(const BarSystem& system, const SymmetricTridiagonal& matrix) {
+LaneFactor lane_factor(const BarSystem& system, const BandedMatrix& matrix) {
   return LaneBar::rows_alike(system) ? LaneFactor(matrix, LaneBar::stiffness(system))
                                      : LaneFactor::without_rows(matrix);
 }
@@ -64,7 +64,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       values->resize(system.size());
     span_active_.resize(contacts_.size());
   } else {
-    const SymmetricTridiagonal& condensed = factor_.condensed();
+    const BandedMatrix& condensed = factor_.condensed();
     interface_.resize(condensed.size());
     std::vector<EndConstraint::Bounded> ends;
     for (const Contact& contact : contacts_)
@@ -153,7 +153,7 @@ void TimeStep::project_start() {
     held |= contacts_[k].sign * contacts_[k].of(p_) < bound[k];
   }
   if (!held) return;
-  const SymmetricTridiagonal& inertia = system_.inertia();
+  const BandedMatrix& inertia = system_.inertia();
   if ((inertia.is_diagonal() && !system_.is_chain()) || system_.has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
@@ -373,8 +373,8 @@ double TimeStep::end_power() const {
 
 double TimeStep::dashpot_power() const {
   double power = 0.0;
-  for (const Mount& mount : system_.mounts())
-    power += mount.dashpot * mean_velocity(mount.unknown) * mean_velocity(mount.unknown);
+  for (const Support& support : system_.supports())
+    power += support.dashpot * mean_velocity(support.unknown) * mean_velocity(support.unknown);
   return power;
 }
 

@@ -7,7 +7,7 @@ namespace viscobar::baseline {
 namespace {
 
 // Thomas' algorithm for the system with the marked ends held at `bound`.
-void solve(const SymmetricTridiagonal& a, const std::vector<double>& b, bool left, bool right, double bound,
+void solve(const BandedMatrix& a, const std::vector<double>& b, bool left, bool right, double bound,
            std::vector<double>& pivot, std::vector<double>& x) {
   const std::size_t n = b.size();
   x = b;
@@ -33,7 +33,7 @@ void solve(const SymmetricTridiagonal& a, const std::vector<double>& b, bool lef
 std::vector<double> paper_scheme(const BarSystem& system, double step, std::size_t steps) {
   const std::size_t n = system.size();
   const double dt = step, bound = -system.contacts().front().gap;
-  SymmetricTridiagonal next, now, before;
+  BandedMatrix next, now, before;
   system.dynamic_stiffness(1 / (dt * dt), 1 / (2 * dt), 0.5, next);
   system.dynamic_stiffness(2 / (dt * dt), 0.0, 0.0, now);
   system.dynamic_stiffness(-1 / (dt * dt), 1 / (2 * dt), -0.5, before);
@@ -71,7 +71,7 @@ std::vector<double> paper_scheme(const BarSystem& system, double step, std::size
 std::vector<double> plain_scheme(const BarSystem& system, double step, std::size_t steps) {
   const std::size_t n = system.size(), last = n - 1;
   const double dt = step, bound = -system.contacts().front().gap;
-  SymmetricTridiagonal next, now, before;
+  BandedMatrix next, now, before;
   system.dynamic_stiffness(1 / (dt * dt), 1 / (2 * dt), 0.5, next);
   system.dynamic_stiffness(2 / (dt * dt), 0.0, 0.0, now);
   system.dynamic_stiffness(-1 / (dt * dt), 1 / (2 * dt), -0.5, before);

@@ -77,7 +77,7 @@ TEST(Automatic, RunsEveryCombinationOfKeysOrRefusesItByTheKeyThatIsWrong) {
     if (!given.epsilon) {
       EXPECT_EQ(run.method, exact) << given.text();
     }
-    EXPECT_EQ(run.reservation, "");
+    EXPECT_EQ(run.warning, "");
   }
 }
 
@@ -135,11 +135,11 @@ every = 1.0
 TEST(Automatic, TakesRigidAndSaysWhyWhereTheWavesBreakWithoutEnd) {
   const Case smooth = parse_scene(std::string(rough) + "[time]\nend = 20.0\n", "scene").run;
   EXPECT_EQ(smooth.method, MethodName::characteristics);
-  EXPECT_EQ(smooth.reservation, "");
+  EXPECT_EQ(smooth.warning, "");
   const Case run = parse_scene(std::string(rough) + "[time]\nend = 120.0\n", "scene").run;
   EXPECT_EQ(run.method, MethodName::rigid);
   EXPECT_EQ(resolve(run).mass, Mass::fourth_order);
-  EXPECT_NE(run.reservation.find("10,000 pieces"), std::string::npos) << run.reservation;
+  EXPECT_NE(run.warning.find("10,000 pieces"), std::string::npos) << run.warning;
   EXPECT_TRUE(record(run).statistics.completed);
 }
 
@@ -151,7 +151,7 @@ TEST(Automatic, TakesRigidAndSaysWhyWhereALoadTravels) {
     given.load = load;
     const Case run = given.run();
     EXPECT_EQ(run.method, MethodName::rigid) << load;
-    EXPECT_NE(run.reservation.find("travel"), std::string::npos) << run.reservation;
+    EXPECT_NE(run.warning.find("travel"), std::string::npos) << run.warning;
     given.more = "[method]\nname = \"characteristics\"\n";
     EXPECT_EQ(given.run().method, MethodName::characteristics);
   }
@@ -201,7 +201,7 @@ TEST(Automatic, TakesRigidAndSaysWhyWhereADisplacementJumps) {
   run.scene.displacement = [](double x) { return x < 0.5 ? 0.0 : 0.1; };
   const AutomaticMethod choice = automatic_method(run);
   EXPECT_EQ(choice.method, MethodName::rigid);
-  EXPECT_NE(choice.reservation.find("jumps"), std::string::npos) << choice.reservation;
+  EXPECT_NE(choice.warning.find("jumps"), std::string::npos) << choice.warning;
 }
 
 // The look ahead ends: a motion that is periodic is believed to remain so.

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Index;
 using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
 
-MatrixXd dense(const SymmetricTridiagonal& matrix) {
+MatrixXd dense(const BandedMatrix& matrix) {
   const auto n = static_cast<Index>(matrix.size());
   MatrixXd full(n, n);
   std::vector<double> unit(matrix.size()), column(matrix.size());
@@ -33,7 +33,7 @@ MatrixXd dense(const SymmetricTridiagonal& matrix) {
 
 // The frequencies of a system, rising, and the largest imaginary part of their squares.
 std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
-  SymmetricTridiagonal stiffness;
+  BandedMatrix stiffness;
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
   const MatrixXd quotient = dense(system.inertia()).partialPivLu().solve(dense(stiffness));
   const Eigen::EigenSolver<MatrixXd> modes(quotient, false);

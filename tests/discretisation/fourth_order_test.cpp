@@ -86,7 +86,7 @@ TEST(FourthOrderMass, RefusesLessThanThreeElements) {
   EXPECT_NO_THROW(mass_matrix({1.0, 3}, Mass::fourth_order));
 }
 
-Matrix dense(const SymmetricTridiagonal& matrix) {
+Matrix dense(const BandedMatrix& matrix) {
   const auto n = static_cast<Eigen::Index>(matrix.size());
   Matrix full(n, n);
   std::vector<double> unit(matrix.size()), column(matrix.size());
@@ -109,7 +109,7 @@ TEST(FourthOrderMass, HasRealEigenvaluesThatAreNotNegativeWhateverTheEnds) {
         const Mesh mesh{static_cast<double>(elements), elements};  // h = 1
         const Eigen::Index first = left_fixed, n = static_cast<Eigen::Index>(mesh.nodes()) - first - right_fixed;
         const Matrix mass = dense(mass_matrix(mesh, Mass::fourth_order)).block(first, first, n, n);
-        SymmetricTridiagonal laplacian{std::vector<double>(mesh.nodes(), 2.0), std::vector<double>(elements, -1.0)};
+        BandedMatrix laplacian{std::vector<double>(mesh.nodes(), 2.0), std::vector<double>(elements, -1.0)};
         laplacian.diagonal.front() = laplacian.diagonal.back() = 1.0;
         const Matrix stiffness = dense(laplacian).block(first, first, n, n);
         const Eigen::RealSchur<Matrix> schur(mass.inverse() * stiffness, false);
@@ -123,9 +123,9 @@ TEST(FourthOrderMass, HasRealEigenvaluesThatAreNotNegativeWhateverTheEnds) {
       }
 }
 
-SymmetricTridiagonal random_with_end_rows(std::size_t n, std::mt19937& random) {
+BandedMatrix random_with_end_rows(std::size_t n, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  SymmetricTridiagonal matrix{std::vector<double>(n, 3.5), std::vector<double>(n - 1)};
+  BandedMatrix matrix{std::vector<double>(n, 3.5), std::vector<double>(n - 1)};
   for (double& off : matrix.off_diagonal) off = uniform(random);
   for (const bool last : {false, true}) {
     OneSidedRow& row = matrix.one_sided.emplace_back(OneSidedRow{last ? n - 1 : 0, last, {}});
@@ -135,9 +135,9 @@ SymmetricTridiagonal random_with_end_rows(std::size_t n, std::mt19937& random) {
 }
 
 // As bars in line have them: nodes inside have rows to both sides, or two neighbours one each, with nothing between.
-SymmetricTridiagonal random_chain(std::size_t n, std::size_t joint, bool apart, std::mt19937& random) {
+BandedMatrix random_chain(std::size_t n, std::size_t joint, bool apart, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  SymmetricTridiagonal matrix = random_with_end_rows(n, random);
+  BandedMatrix matrix = random_with_end_rows(n, random);
   const OneSidedRow last = matrix.one_sided.back();
   matrix.one_sided.pop_back();
   for (const bool leftwards : {true, false}) {
@@ -156,7 +156,7 @@ TEST(TridiagonalFactor, SolvesWithRowsOfBarsInLine) {
     for (std::size_t n = 7; n < 40; ++n)
       for (std::size_t joint = 3; joint + 4 < n; ++joint)
         for (const bool skew : {false, true}) {
-          SymmetricTridiagonal matrix = random_chain(n, joint, apart, random);
+          BandedMatrix matrix = random_chain(n, joint, apart, random);
           if (skew) matrix.skew.assign(n - 1, 0.1);
           if (skew && apart) matrix.skew[joint] = 0.0;
           const Matrix full = dense(matrix);
@@ -183,7 +183,7 @@ TEST(TridiagonalFactor, TiesTwoRows) {
   for (const bool rows : {false, true})
     for (std::size_t n = 8; n < 30; ++n)
       for (std::size_t joint = 3; joint + 4 < n; ++joint) {
-        SymmetricTridiagonal matrix = random_chain(n, joint, true, random);
+        BandedMatrix matrix = random_chain(n, joint, true, random);
         if (!rows) matrix.one_sided.clear();
         const Matrix full = dense(matrix);
         matrix.tie(joint);
@@ -204,7 +204,7 @@ TEST(TridiagonalFactor, TiesTwoRows) {
 TEST(TridiagonalFactor, SolvesWithEndRowsAtEverySize) {
   std::mt19937 random(5);
   for (std::size_t n = 3; n < 40; ++n) {
-    const SymmetricTridiagonal matrix = random_with_end_rows(n, random);
+    const BandedMatrix matrix = random_with_end_rows(n, random);
     const Matrix full = dense(matrix);
     std::vector<double> x(n);
     for (std::size_t i = 0; i < n; ++i) x[i] = std::sin(static_cast<double>(i * i + n));
@@ -219,7 +219,7 @@ TEST(TridiagonalFactor, HoldsANodeOfInfiniteMassWithEndRows) {
   std::mt19937 random(6);
   for (const std::size_t n : {3u, 4u, 9u}) {
     for (const std::size_t held : {std::size_t{0}, n - 1}) {
-      SymmetricTridiagonal matrix = random_with_end_rows(n, random);
+      BandedMatrix matrix = random_with_end_rows(n, random);
       const Matrix full = dense(matrix);
       matrix.diagonal[held] = std::numeric_limits<double>::infinity();
       std::vector<double> x(n, 1.0);
@@ -239,7 +239,7 @@ TEST(TridiagonalFactor, HoldsANodeOfInfiniteMassWithEndRows) {
 TEST(Tridiagonal, DiagonalOfTheInverseKnowsEndRows) {
   std::mt19937 random(7);
   for (std::size_t n = 3; n < 20; ++n) {
-    const SymmetricTridiagonal matrix = random_with_end_rows(n, random);
+    const BandedMatrix matrix = random_with_end_rows(n, random);
     const Matrix inverse = dense(matrix).inverse();
     const std::vector<double> diagonal = inverse_diagonal(matrix);
     for (std::size_t i = 0; i < n; ++i)
@@ -250,7 +250,7 @@ TEST(Tridiagonal, DiagonalOfTheInverseKnowsEndRows) {
 }
 
 TEST(LaneFactor, KeepsTheColumnsOfEndRowsInTheInterface) {
-  SymmetricTridiagonal matrix = mass_matrix({1.0, 150}, Mass::fourth_order);
+  BandedMatrix matrix = mass_matrix({1.0, 150}, Mass::fourth_order);
   const LaneFactor factor(matrix);
   ASSERT_GT(factor.order().rows, 0u);
   EXPECT_GE(factor.order().first, 3u);

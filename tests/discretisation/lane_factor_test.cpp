@@ -16,8 +16,8 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // tridiag(off, diagonal, off) with `odd` rows at either end that are unlike the rest.
-SymmetricTridiagonal uniform_matrix(std::size_t n, double diagonal, double off, std::size_t odd) {
-  SymmetricTridiagonal matrix;
+BandedMatrix uniform_matrix(std::size_t n, double diagonal, double off, std::size_t odd) {
+  BandedMatrix matrix;
   matrix.diagonal.assign(n, diagonal);
   matrix.off_diagonal.assign(n - 1, off);
   for (std::size_t i = 0; i < odd; ++i) {
@@ -53,7 +53,7 @@ TEST(LaneFactor, SolvesWithABackwardErrorOfRoundingAtEveryLengthAndDominance) {
       for (const double dominance : {10.0, 1.0, 1e-3, 1e-9})
         for (const std::size_t odd : {0u, 1u, 3u}) {
           if (2 * odd > n) continue;
-          const SymmetricTridiagonal matrix = uniform_matrix(n, 2 * std::abs(off) + dominance, off, odd);
+          const BandedMatrix matrix = uniform_matrix(n, 2 * std::abs(off) + dominance, off, odd);
           const LaneFactor factor(matrix);
           EXPECT_EQ(factor.order().rows > 0, n >= 64 + 2 + (odd > 1 ? 2 * odd : 0)) << n << " " << odd;
           EXPECT_EQ(factor.order().size(), n);
@@ -74,7 +74,7 @@ TEST(LaneFactor, SolvesNothingByZero) {
 }
 
 TEST(LaneFactor, KeepsARowThatIsUnlikeItsNeighboursInTheInterface) {
-  SymmetricTridiagonal matrix = uniform_matrix(400, 2.5, -1.0, 0);
+  BandedMatrix matrix = uniform_matrix(400, 2.5, -1.0, 0);
   matrix.diagonal[150] += 1e6;  // a contact in the middle
   std::mt19937 random(2);
   const auto b = random_vector(400, random);
@@ -85,9 +85,9 @@ TEST(LaneFactor, KeepsARowThatIsUnlikeItsNeighboursInTheInterface) {
 }
 
 TEST(LaneFactor, RefusesWhatIsNotPositiveDefinite) {
-  const SymmetricTridiagonal inside = uniform_matrix(200, 1.0, -1.0, 0);
+  const BandedMatrix inside = uniform_matrix(200, 1.0, -1.0, 0);
   EXPECT_THROW(LaneFactor{inside}, std::domain_error);
-  SymmetricTridiagonal end = uniform_matrix(200, 2.5, -1.0, 0);
+  BandedMatrix end = uniform_matrix(200, 2.5, -1.0, 0);
   end.diagonal[0] = -1.0;
   EXPECT_THROW(TridiagonalFactor(LaneFactor(end).condensed()), std::domain_error);
 }

@@ -19,7 +19,7 @@ std::vector<double> power_of_x(const Mesh& mesh, int power) {
   return values;
 }
 
-double product(const SymmetricTridiagonal& m, const std::vector<double>& a, const std::vector<double>& b) {
+double product(const BandedMatrix& m, const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> mb(b.size());
   m.multiply(b, mb);
   double sum = 0.0;
@@ -53,8 +53,8 @@ TEST(Mass, RedistributedKeepsCentreOfMassAndMomentOfInertiaAndFreesContactNodes)
 }
 
 TEST(Mass, RedistributedIsPositiveDefiniteOnTheSmallestMeshes) {
-  const auto massive = [](const SymmetricTridiagonal& m, std::size_t first, std::size_t count) {
-    SymmetricTridiagonal part;
+  const auto massive = [](const BandedMatrix& m, std::size_t first, std::size_t count) {
+    BandedMatrix part;
     for (std::size_t i = 0; i < count; ++i) part.diagonal.push_back(m.diagonal[first + i]);
     for (std::size_t i = 0; i + 1 < count; ++i) part.off_diagonal.push_back(m.off_diagonal[first + i]);
     return part;

@@ -16,9 +16,9 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // Off-diagonals of either sign, `dominance` above the row sum on the diagonal.
-SymmetricTridiagonal random_matrix(std::size_t n, double dominance, std::mt19937& random) {
+BandedMatrix random_matrix(std::size_t n, double dominance, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   matrix.off_diagonal.resize(n - 1);
   for (double& off : matrix.off_diagonal) off = uniform(random);
   matrix.diagonal.assign(n, dominance);
@@ -29,7 +29,7 @@ SymmetricTridiagonal random_matrix(std::size_t n, double dominance, std::mt19937
   return matrix;
 }
 
-double entry(const SymmetricTridiagonal& matrix, std::size_t i, std::size_t j) {
+double entry(const BandedMatrix& matrix, std::size_t i, std::size_t j) {
   if (i == j) return matrix.diagonal[i];
   const bool neighbours = i + 1 == j || j + 1 == i;
   return neighbours && !matrix.off_diagonal.empty() ? matrix.off_diagonal[std::min(i, j)] : 0.0;
@@ -39,7 +39,7 @@ TEST(Tridiagonal, MultiplyAndQuadraticFormAreThoseOfTheFullMatrix) {
   std::mt19937 random(1);
   for (std::size_t n = 1; n < 20; ++n)
     for (const bool diagonal : {false, true}) {
-      SymmetricTridiagonal matrix = random_matrix(n, 1.0, random);
+      BandedMatrix matrix = random_matrix(n, 1.0, random);
       if (diagonal) matrix.off_diagonal.clear();
       const auto x = random_vector(n, random);
       std::vector<double> product(n);
@@ -60,7 +60,7 @@ TEST(TridiagonalFactor, SolvesWithABackwardErrorOfRoundingAtEverySizeAndDominanc
   for (std::size_t n = 1; n < 70; ++n)
     for (const double dominance : {10.0, 1.0, 1e-3, 1e-9})
       for (const bool diagonal : {false, true}) {
-        SymmetricTridiagonal matrix = random_matrix(n, dominance, random);
+        BandedMatrix matrix = random_matrix(n, dominance, random);
         if (diagonal) matrix.off_diagonal.clear();
         const auto b = random_vector(n, random);
         auto x = b;
@@ -78,7 +78,7 @@ TEST(TridiagonalFactor, SolvesWithABackwardErrorOfRoundingAtEverySizeAndDominanc
 TEST(TridiagonalFactor, IsRebuiltInPlaceForAnotherSizeAndStructure) {
   std::mt19937 random(3);
   TridiagonalFactor factor(random_matrix(9, 1.0, random));
-  SymmetricTridiagonal diagonal;
+  BandedMatrix diagonal;
   diagonal.diagonal = {2.0, 4.0, 8.0};
   factor.factorise(diagonal);
   std::vector<double> x{2.0, 2.0, 2.0};
@@ -88,16 +88,16 @@ TEST(TridiagonalFactor, IsRebuiltInPlaceForAnotherSizeAndStructure) {
 
 TEST(TridiagonalFactor, RefusesWhatIsNotPositiveDefinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{1.0, 1.0}, {1.0}}), std::domain_error);
-  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{1.0, -1.0}, {}}), std::domain_error);
-  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{0.0}, {}}), std::domain_error);
-  EXPECT_THROW(TridiagonalFactor(SymmetricTridiagonal{{2.0, nan, 2.0}, {0.1, 0.1}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(BandedMatrix{{1.0, 1.0}, {1.0}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(BandedMatrix{{1.0, -1.0}, {}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(BandedMatrix{{0.0}, {}}), std::domain_error);
+  EXPECT_THROW(TridiagonalFactor(BandedMatrix{{2.0, nan, 2.0}, {0.1, 0.1}}), std::domain_error);
 }
 
 TEST(InverseDiagonal, HoldsTheDiagonalEntriesOfTheColumnsOfTheInverse) {
   std::mt19937 random(4);
   for (std::size_t n = 1; n < 20; ++n) {
-    const SymmetricTridiagonal matrix = random_matrix(n, 0.5, random);
+    const BandedMatrix matrix = random_matrix(n, 0.5, random);
     const TridiagonalFactor factor(matrix);
     const auto diagonal = inverse_diagonal(matrix);
     const double condition = 4.5 / 0.5;  // largest row sum over smallest eigenvalue

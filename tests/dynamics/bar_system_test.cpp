@@ -64,7 +64,7 @@ TEST(BarSystem, DynamicStiffnessIsTheDerivativeOfTheForces) {
         const BarSystem system(scene_with(left, right), {2.0, 6}, mass);
         const std::size_t n = system.size();
         const double m = 0.7, c = 0.3, k = 1.9;
-        SymmetricTridiagonal matrix;
+        BandedMatrix matrix;
         system.dynamic_stiffness(m, c, k, matrix);
         const auto x = random_vector(n, 4);
         std::vector<double> zero(n, 0.0), cx(n), kx(n), product(n), inertia(n), at_x(n), at_zero(n);

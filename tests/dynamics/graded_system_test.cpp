@@ -60,7 +60,7 @@ TEST_P(GradedSystem, TendsToTheUniformOneAsTheRatioTendsToOne) {
   std::vector<double> force(n), expected(n);
   graded.internal_force(u, w, force);
   uniform.internal_force(u, w, expected);
-  SymmetricTridiagonal matrix, other;
+  BandedMatrix matrix, other;
   graded.dynamic_stiffness(1.0, 0.5, 0.25, matrix);
   uniform.dynamic_stiffness(1.0, 0.5, 0.25, other);
   // Sizes differ by 8 eps, differences of neighbours carry eps |u|, each over h = 1/6.
@@ -80,7 +80,7 @@ TEST_P(GradedSystem, ForcesAreThoseOfItsStiffnessAndItsEnergy) {
   const auto [u, w] = fields(system);
   const std::size_t n = system.size();
   const std::vector<double> still(n, 0.0);
-  SymmetricTridiagonal K;
+  BandedMatrix K;
   system.dynamic_stiffness(0.0, 0.0, 1.0 / system.bar().modulus, K);
   std::vector<double> at_rest(n), moved(n), Ku(n), force(n);
   system.internal_force(still, still, at_rest);  // pull of the fixed ends

@@ -37,7 +37,7 @@ TEST(PenalisedSystem, DynamicStiffnessIsTheDerivativeOfTheForce) {
       for (std::size_t i = 0; i < n; ++i) shifted_u[i] = u[i] + k * x[i], shifted_w[i] = w[i] + c * x[i];
       system.force(0.0, u, w, before);
       system.force(0.0, shifted_u, shifted_w, after);
-      SymmetricTridiagonal matrix;
+      BandedMatrix matrix;
       system.dynamic_stiffness(m, c, k, matrix);
       matrix.multiply(x, product);
       bar.inertia().multiply(x, inertia);

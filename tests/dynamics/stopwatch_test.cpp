@@ -4,7 +4,7 @@
 #include <ctime>
 #include <thread>
 
-#include "run/telling.hpp"
+#include "run/notifier.hpp"
 
 namespace viscobar::testing_stopwatch {
 namespace {

@@ -62,7 +62,7 @@ TEST(EndKeys, ThatDoNotGoWithTheRestAreRefusedWithWhatToUse) {
   EXPECT_EQ(chosen.method, MethodName::characteristics);
   const Case stiff = parse_scene(scene(mounted), "", std::vector<std::string>{"left.stiffness=1e5"}).run;
   EXPECT_EQ(stiff.method, MethodName::rigid);
-  EXPECT_NE(stiff.reservation.find("left.stiffness makes for a motion"), std::string::npos) << stiff.reservation;
+  EXPECT_NE(stiff.warning.find("left.stiffness makes for a motion"), std::string::npos) << stiff.warning;
   EXPECT_EQ(
       resolve(parse_scene(scene(mounted, "[contact]\nepsilon = 1e-3\n[method]\nname = \"arkode\"\n"), "").run).mass,
       Mass::consistent);
@@ -94,7 +94,7 @@ TEST(EndKeys, ThatAreAbsentLeaveNothingInTheSystem) {
       resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
   EXPECT_FALSE(system.loaded());
   EXPECT_FALSE(system.moving());
-  EXPECT_TRUE(system.mounts().empty());
+  EXPECT_TRUE(system.supports().empty());
 }
 
 TEST(EndMotion, ThatJumpsStopsTheRunWithItsTime) {

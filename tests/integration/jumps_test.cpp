@@ -119,10 +119,10 @@ TEST(Jump, OfAForceOnASpringOrADashpotLeavesItsVelocityRight) {
   };
   for (const auto& [k, d, table] : {Row{10.0, 0.0, {6.1e-5, 3.3e-7}}, Row{100.0, 0.0, {2.0e-5, 8.3e-8 + 1e-7}},
                                     Row{0.0, 0.1, {3.6e-3, 1.1e-5}}, Row{0.0, 1.0, {2.6e-3, 1.1e-5}}}) {
-    const std::string mount = fmt::format("stiffness = {}\ndashpot = {}\n", k, d);
+    const std::string support = fmt::format("stiffness = {}\ndashpot = {}\n", k, d);
     const double rate = k / (1.0 + d);
     const Errors e = errors(
-        record(scene(fmt::format(fmt::runtime(push), mount), 100, "rigid")), true, 0.2,
+        record(scene(fmt::format(fmt::runtime(push), support), 100, "rigid")), true, 0.2,
         [=, d = d](double t) { return std::exp(-rate * t) / (1.0 + d); },
         [=, k = k, d = d](double t) { return k > 0.0 ? (1.0 - std::exp(-rate * t)) / k : t / (1.0 + d); });
     EXPECT_LT(e.v, more * table.v) << k << " " << d;

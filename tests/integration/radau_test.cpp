@@ -142,11 +142,11 @@ TEST(ShiftedSystems, SolveTheirEquationsForEveryMassSizeAndContact) {
         systems.factorise(h);
         systems.refine(elements % 2 == 0);
         systems.solve(force, rate, false, x);
-        SymmetricTridiagonal m, c, k;
+        BandedMatrix m, c, k;
         bar.dynamic_stiffness(1.0, 0.0, 0.0, m);
         bar.dynamic_stiffness(0.0, 1.0, 0.0, c);
         bar.dynamic_stiffness(0.0, 0.0, 1.0, k);
-        const auto dense = [&](const SymmetricTridiagonal& matrix) {
+        const auto dense = [&](const BandedMatrix& matrix) {
           Eigen::MatrixXd full(count, count);
           std::vector<double> unit(n), column(n);
           for (std::size_t j = 0; j < n; ++j) {

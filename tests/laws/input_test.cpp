@@ -78,7 +78,7 @@ TEST(Law, ChoosesTheMethodAndTheMass) {
 TEST(Law, IsForCharacteristicsWhereItIsLinearAndTheBarElastic) {
   const Case run = parse_scene(scene("[contact]\nlaw = \"spring_damper\"\nstiffness = 30\ndamping = 0.5\n"), "").run;
   EXPECT_EQ(run.method, MethodName::characteristics);
-  EXPECT_EQ(run.reservation, "");
+  EXPECT_EQ(run.warning, "");
   // The waves are exact; the kinks of a mesh are wrong by h^(2/3) or less.
   const Recording exact = record(run);
   const auto off = [&](int elements) {

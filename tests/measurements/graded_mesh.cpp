@@ -62,12 +62,12 @@ Vector nodes(const Grading& grading, std::size_t elements) {
 // P1 matrices of unit density and modulus.
 struct Matrices {
   Vector x;
-  SymmetricTridiagonal mass, stiffness;
+  BandedMatrix mass, stiffness;
 };
 
 Matrices assemble(Vector x) {
   const std::size_t n = x.size();
-  const SymmetricTridiagonal zero{Vector(n, 0.0), Vector(n - 1, 0.0)};
+  const BandedMatrix zero{Vector(n, 0.0), Vector(n - 1, 0.0)};
   Matrices found{std::move(x), zero, zero};
   for (std::size_t j = 0; j + 1 < n; ++j) {
     const double h = found.x[j + 1] - found.x[j];
@@ -83,8 +83,8 @@ Matrices assemble(Vector x) {
 
 // The contact node without mass: its velocity in the kinetic energy of its element is extrapolated, v_0 = (1 + a) v_1 -
 // a v_2, a = h_0 / h_1. Linear velocity fields keep their energy, so mass, centre of mass and moment of inertia stay.
-SymmetricTridiagonal redistributed(const Matrices& bar) {
-  SymmetricTridiagonal m = bar.mass;
+BandedMatrix redistributed(const Matrices& bar) {
+  BandedMatrix m = bar.mass;
   const double h = bar.x[1] - bar.x[0], a = h / (bar.x[2] - bar.x[1]);
   m.diagonal[0] = m.off_diagonal[0] = 0.0;
   m.diagonal[1] += h / 3 * (a * a + 3 * a + 3) - h / 3;
@@ -94,8 +94,8 @@ SymmetricTridiagonal redistributed(const Matrices& bar) {
 }
 
 // p A + q B
-SymmetricTridiagonal sum(double p, const SymmetricTridiagonal& A, double q, const SymmetricTridiagonal& B) {
-  SymmetricTridiagonal C = A;
+BandedMatrix sum(double p, const BandedMatrix& A, double q, const BandedMatrix& B) {
+  BandedMatrix C = A;
   for (std::size_t i = 0; i < C.diagonal.size(); ++i) C.diagonal[i] = p * A.diagonal[i] + q * B.diagonal[i];
   for (std::size_t i = 0; i < C.off_diagonal.size(); ++i)
     C.off_diagonal[i] = p * A.off_diagonal[i] + q * B.off_diagonal[i];
@@ -143,8 +143,8 @@ using Observer = std::function<void(double, const Vector&, double)>;
 
 // Scheme (2.8) in the acceleration a, (M + dt/2 eta K + dt^2/2 K) a = M f - K (u + eta p), with the left end rigid.
 // Observed at every `every`-th step.
-void rigid_run(const Scene& scene, const Matrices& bar, const SymmetricTridiagonal& inertia, double dt,
-               std::size_t steps, std::size_t every, const Observer& observe) {
+void rigid_run(const Scene& scene, const Matrices& bar, const BandedMatrix& inertia, double dt, std::size_t steps,
+               std::size_t every, const Observer& observe) {
   const std::size_t n = bar.x.size();
   const double gap = std::get<Obstacle>(scene.left).gap, eta = scene.bar.viscosity;
   const TridiagonalFactor factor(sum(1.0, inertia, dt / 2 * (eta + dt), bar.stiffness));
@@ -290,13 +290,13 @@ struct Impact {
 
 // The bar at -1 on the spring 1/epsilon, attached, to 5 tau, by TR-BDF2 in (u, v): both stages solve
 // (M + g C + g^2 K_t) v = M b_v - g K_t b_u. The local error of u stays below `tolerance` max d.
-Impact penalised_impact(const exact::ImpactLaw& law, const Matrices& bar, const SymmetricTridiagonal& inertia,
+Impact penalised_impact(const exact::ImpactLaw& law, const Matrices& bar, const BandedMatrix& inertia,
                         double tolerance) {
   const std::size_t n = bar.x.size();
   const double eta = law.bar.viscosity;
   const double tau = eta > 0.0 ? std::cbrt(law.epsilon * law.epsilon * eta) : law.epsilon, end = 5 * tau;
   const double top = eta > 0.0 ? law.peak()->penetration : law.epsilon;
-  SymmetricTridiagonal spring = bar.stiffness;
+  BandedMatrix spring = bar.stiffness;
   spring.diagonal[0] += 1 / law.epsilon;
   const double gamma = 2 - std::sqrt(2.0), k_error = (-3 * gamma * gamma + 4 * gamma - 2) / (12 * (2 - gamma));
 
@@ -315,7 +315,7 @@ Impact penalised_impact(const exact::ImpactLaw& law, const Matrices& bar, const 
   while (t < end) {
     const double g = gamma / 2 * step;
     if (g != factored) {
-      SymmetricTridiagonal matrix = sum(1.0, inertia, g * eta, bar.stiffness);
+      BandedMatrix matrix = sum(1.0, inertia, g * eta, bar.stiffness);
       factor.factorise(sum(1.0, matrix, g * g, spring));
       factored = g;
     }

@@ -177,7 +177,7 @@ Motion follow(const Space& space, const Bar1& bar) {
 double microseconds(std::size_t elements, bool quadratic) {
   const double h = 1.0 / static_cast<double>(elements), k = 1e-3;
   const std::size_t nodes = elements + 1, unknowns = quadratic ? 2 * elements + 1 : nodes;
-  SymmetricTridiagonal matrix{std::vector<double>(nodes), std::vector<double>(elements)};
+  BandedMatrix matrix{std::vector<double>(nodes), std::vector<double>(elements)};
   // Entries of D = M + k K on an element.
   const double corner = h / 30 * 4 + k * 7 / (3 * h), side = h / 30 * 2 - k * 8 / (3 * h);
   const double inner = h / 30 * 16 + k * 16 / (3 * h), across = -h / 30 + k / (3 * h), share = side / inner;

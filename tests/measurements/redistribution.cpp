@@ -18,10 +18,10 @@ namespace {
 using namespace viscobar;
 
 // Unit density, contact at the left end, entries of the rows 0, 1, 2 in units of h.
-SymmetricTridiagonal extrapolated(const Mesh& mesh) { return inertia_matrix(mesh, Mass::redistributed, true, false); }
+BandedMatrix extrapolated(const Mesh& mesh) { return inertia_matrix(mesh, Mass::redistributed, true, false); }
 
-SymmetricTridiagonal diagonal_correction(const Mesh& mesh) {
-  SymmetricTridiagonal m = mass_matrix(mesh, Mass::consistent);
+BandedMatrix diagonal_correction(const Mesh& mesh) {
+  BandedMatrix m = mass_matrix(mesh, Mass::consistent);
   const double h = mesh.spacing();
   m.diagonal[0] = m.off_diagonal[0] = 0.0;
   m.diagonal[1] += 7 * h / 6;
@@ -29,8 +29,8 @@ SymmetricTridiagonal diagonal_correction(const Mesh& mesh) {
   return m;
 }
 
-SymmetricTridiagonal lumped_patch(const Mesh& mesh) {
-  SymmetricTridiagonal m = mass_matrix(mesh, Mass::consistent);
+BandedMatrix lumped_patch(const Mesh& mesh) {
+  BandedMatrix m = mass_matrix(mesh, Mass::consistent);
   const double h = mesh.spacing();
   m.diagonal[0] = m.off_diagonal[0] = m.off_diagonal[1] = 0.0;
   m.diagonal[1] = 2 * h;
@@ -38,8 +38,8 @@ SymmetricTridiagonal lumped_patch(const Mesh& mesh) {
   return m;
 }
 
-SymmetricTridiagonal lumped_throughout(const Mesh& mesh) {
-  SymmetricTridiagonal m = mass_matrix(mesh, Mass::lumped);
+BandedMatrix lumped_throughout(const Mesh& mesh) {
+  BandedMatrix m = mass_matrix(mesh, Mass::lumped);
   const double h = mesh.spacing();
   m.off_diagonal.assign(mesh.elements, 0.0);
   m.diagonal[0] = 0.0;
@@ -49,8 +49,8 @@ SymmetricTridiagonal lumped_throughout(const Mesh& mesh) {
 }
 
 // Keeps the total mass only.
-SymmetricTridiagonal to_the_neighbour(const Mesh& mesh) {
-  SymmetricTridiagonal m = mass_matrix(mesh, Mass::consistent);
+BandedMatrix to_the_neighbour(const Mesh& mesh) {
+  BandedMatrix m = mass_matrix(mesh, Mass::consistent);
   const double h = mesh.spacing();
   m.diagonal[0] = m.off_diagonal[0] = 0.0;
   m.diagonal[1] += 2 * h / 3;
@@ -59,7 +59,7 @@ SymmetricTridiagonal to_the_neighbour(const Mesh& mesh) {
 
 struct Candidate {
   const char* label;
-  SymmetricTridiagonal (*inertia)(const Mesh&);
+  BandedMatrix (*inertia)(const Mesh&);
 };
 
 constexpr Candidate candidates[] = {{"extrapolated, v_0 = 2 v_1 - v_2", extrapolated},
@@ -69,17 +69,17 @@ constexpr Candidate candidates[] = {{"extrapolated, v_0 = 2 v_1 - v_2", extrapol
                                     {"to the neighbour, M_11 + 2h/3", to_the_neighbour}};
 
 // Scheme (2.8) on a left obstacle (and a free right end), rigid or with a spring that stays attached from t = 0 on.
-Recording run(const Scene& scene, const Mesh& mesh, const SymmetricTridiagonal& unit_inertia, double dt,
-              std::size_t steps, double spring = 0.0) {
+Recording run(const Scene& scene, const Mesh& mesh, const BandedMatrix& unit_inertia, double dt, std::size_t steps,
+              double spring = 0.0) {
   const BarSystem system(scene, mesh, Mass::consistent);
   const std::size_t n = mesh.nodes();
   const double gap = std::get<Obstacle>(scene.left).gap;
-  SymmetricTridiagonal inertia = unit_inertia;
+  BandedMatrix inertia = unit_inertia;
   for (double& m : inertia.diagonal) m *= scene.bar.density;
   for (double& m : inertia.off_diagonal) m *= scene.bar.density;
-  SymmetricTridiagonal stiffness;  // E K / 2 + eta K / (2 dt)
+  BandedMatrix stiffness;  // E K / 2 + eta K / (2 dt)
   system.dynamic_stiffness(0.0, 0.5 / dt, 0.5, stiffness);
-  SymmetricTridiagonal matrix = stiffness;
+  BandedMatrix matrix = stiffness;
   for (std::size_t i = 0; i < n; ++i) matrix.diagonal[i] += inertia.diagonal[i] / (dt * dt);
   for (std::size_t i = 0; i + 1 < n; ++i) matrix.off_diagonal[i] += inertia.off_diagonal[i] / (dt * dt);
   matrix.diagonal[0] += spring / 2;

@@ -159,16 +159,16 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
   accuracy::Sample exact;
   verdict.truth_seconds = seconds_of([&] { exact = sample(truth); });
   // Contacts are those that matter to the error that was asked for.
-  accuracy::Grain grain;
-  grain.impedance = std::sqrt(truth.scene.bar.density * truth.scene.bar.modulus);
-  if (study.request.of == Goal::contact_times) grain.duration = 0.5 * *result.estimate.requested;
+  accuracy::Resolution resolution;
+  resolution.impedance = std::sqrt(truth.scene.bar.density * truth.scene.bar.modulus);
+  if (study.request.of == Goal::contact_times) resolution.duration = 0.5 * *result.estimate.requested;
   const accuracy::Sample found = sample(result.run);
-  const double error = accuracy::difference(found, exact, study.request.of, grain);
+  const double error = accuracy::difference(found, exact, study.request.of, resolution);
   verdict.known = true;
   verdict.effectivity = result.estimate.total / error;
   verdict.over = error / *result.estimate.requested;
   *text += fmt::format("; error {:.2e}{}", error,
-                       accuracy::compare_changes(found, exact, grain).same ? "" : " (other changes)");
+                       accuracy::compare_changes(found, exact, resolution).same ? "" : " (other changes)");
   return verdict;
 }
 

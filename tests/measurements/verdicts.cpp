@@ -59,7 +59,7 @@ void print_orders(unsigned seed) {
     if (scene.pressed || (!massless && !scene.run.restitution) || count == all) continue;
     const LimitResult result = limit_of(verdict_study(scene));
     const LimitOrders& orders = result.orders.front();
-    if (orders.evidence.lack == Lack::contact) continue;
+    if (orders.evidence.missing == Missing::contact) continue;
     ++count;
     const double theory = massless ? 1.0 : 0.5;
     bool is_off = false;

@@ -12,7 +12,7 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Problem {
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   std::vector<double> b, bound;
   std::vector<std::size_t> entries;
 };
@@ -39,7 +39,7 @@ int fitting_states(const Problem& problem, std::span<const unsigned char> state_
   bool found = false;
   const std::size_t n = problem.matrix.size(), ends = problem.entries.size();
   for (unsigned state = 0; state < (1u << ends); ++state) {
-    SymmetricTridiagonal held = problem.matrix;
+    BandedMatrix held = problem.matrix;
     std::vector<double> x = problem.b, row(n);
     for (std::size_t k = 0; k < ends; ++k) {
       if (!(state >> k & 1)) continue;
@@ -90,7 +90,7 @@ TEST(EndConstraint, FindsTheOneContactStateOfAllThatFits) {
 }
 
 TEST(EndConstraint, TiesAreHeldWithoutForceOrLeftOpen) {
-  const SymmetricTridiagonal matrix{{2.0, 3.0, 2.0}, {-1.0, -1.0}};
+  const BandedMatrix matrix{{2.0, 3.0, 2.0}, {-1.0, -1.0}};
   EndConstraint constraint(matrix, {0, 2});
   std::vector<double> multiplier(2), x{1.0, 1.0, 1.0};  // A (1, 1, 1) = (1, 1, 1)
   constraint.solve(x, std::vector<double>{1.0, 1.0}, multiplier);

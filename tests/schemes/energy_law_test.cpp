@@ -82,7 +82,7 @@ TEST(FullyDiscrete, ObeysTheDiscreteEnergyLawAtEveryStepForEveryStepSize) {
         const double dt = ratio * mesh.spacing();
         TimeStep step(system, system.initial_state(), 0.0, {.step = dt, .restitution = restitution, .impact = impact});
         std::vector<double> v(system.size());
-        SymmetricTridiagonal matrix;
+        BandedMatrix matrix;
         system.dynamic_stiffness(1.0, dt / 2, dt * dt / 2, matrix);
         const std::vector<double> compliance = inverse_diagonal(matrix);
         for (int n = 1; n <= 40; ++n) {

@@ -26,7 +26,7 @@ Scene falling_bar(double viscosity) {
 
 // a^n, p^{n-1/2}, u^n of the definition of TimeStep, node by node, from p^{1/2} = u_1 on.
 std::vector<double> node_by_node(const BarSystem& system, double dt, std::size_t steps) {
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   system.dynamic_stiffness(1.0, dt / 2, dt * dt / 2, matrix);
   const std::size_t n = system.size();
   EndConstraint constraint(matrix, {0, n - 1});

@@ -18,9 +18,9 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 enum class Signs { negative, positive, any };
 
 // Smallest eigenvalue at least `dominance`, largest row sum at most 4 + dominance.
-SymmetricTridiagonal random_matrix(std::size_t n, Signs signs, double dominance, std::mt19937& random) {
+BandedMatrix random_matrix(std::size_t n, Signs signs, double dominance, std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  SymmetricTridiagonal matrix;
+  BandedMatrix matrix;
   matrix.diagonal.assign(n, dominance);
   matrix.off_diagonal.resize(n - 1);
   for (std::size_t i = 0; i + 1 < n; ++i) {
@@ -34,7 +34,7 @@ SymmetricTridiagonal random_matrix(std::size_t n, Signs signs, double dominance,
 }
 
 // The bounds bitwise, the rows and complementarity to rounding: these conditions have one solution only.
-void expect_solution(const SymmetricTridiagonal& matrix, std::span<const double> b, std::span<const double> bound,
+void expect_solution(const BandedMatrix& matrix, std::span<const double> b, std::span<const double> bound,
                      std::span<const double> x, std::span<const double> multiplier) {
   const std::size_t n = matrix.size();
   std::vector<double> row(n);
@@ -107,7 +107,7 @@ TEST(SpanConstraint, FindsTheOneActiveSetOfAllThatFits) {
     const double rounding = 64 * eps * 5.0 / dominance * (largest(x) + 1.0);
     int fitting = 0;
     for (unsigned set = 0; set < (1u << n); ++set) {
-      SymmetricTridiagonal held = matrix;
+      BandedMatrix held = matrix;
       std::vector<double> y(b), row(n);
       for (std::size_t i = 0; i < n; ++i)
         if (set >> i & 1) {
@@ -155,7 +155,7 @@ TEST(SpanConstraint, EndsForPositiveCouplingCloseToSingular) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 3000; ++trial) {
     const std::size_t n = 3 + random() % 40;
-    SymmetricTridiagonal matrix;
+    BandedMatrix matrix;
     matrix.diagonal.assign(n, 1.0 + 1e-6);
     matrix.off_diagonal.assign(n - 1, trial % 2 ? 0.5 : 0.5 * (1.0 - 1e-3));
     const auto b = random_vector(n, random);
@@ -171,7 +171,7 @@ TEST(SpanConstraint, EndsForPositiveCouplingCloseToSingular) {
 // positive coupling at its other end takes away the proof that this goes on to the solution.
 TEST(SpanConstraint, ChangesOneEntryAtATimeWhereTheNumberOfWrongOnesDoesNotFall) {
   const std::size_t n = 200, lifted = 50;
-  SymmetricTridiagonal matrix{std::vector<double>(n, 2.0 + 1e-9), std::vector<double>(n - 1, -1.0)};
+  BandedMatrix matrix{std::vector<double>(n, 2.0 + 1e-9), std::vector<double>(n - 1, -1.0)};
   matrix.off_diagonal.back() = 1.0;
   std::vector<double> b(n, -1.0), x(n), multiplier(n);
   const std::vector<double> bound(n, 0.0);
@@ -222,7 +222,7 @@ TEST(SpanConstraint, RestartsFromTheLastActiveSetWithASingleSolveAndNoFactorisat
 TEST(SpanConstraint, TiesInEveryEntryEnd) {
   for (const double off : {-0.49, 0.49}) {
     const std::size_t n = 101;
-    SymmetricTridiagonal matrix{std::vector<double>(n, 1.0), std::vector<double>(n - 1, off)};
+    BandedMatrix matrix{std::vector<double>(n, 1.0), std::vector<double>(n - 1, off)};
     std::vector<double> bound(n, 0.1), b(n), x(n), multiplier(n);
     matrix.multiply(bound, b);  // the unconstrained solution is the bound
     SpanConstraint constraint(matrix);

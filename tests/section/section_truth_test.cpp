@@ -22,7 +22,7 @@ namespace {
 using Eigen::Index;
 using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
 
-MatrixXd dense(const SymmetricTridiagonal& matrix) {
+MatrixXd dense(const BandedMatrix& matrix) {
   const auto n = static_cast<Index>(matrix.size());
   MatrixXd full(n, n);
   std::vector<double> unit(matrix.size()), column(matrix.size());
@@ -122,7 +122,7 @@ TEST(SectionRows, PullAsTheStressOfAnyFieldDoes) {
 // omega of modes of rho M u'' + E K u = 0, in rising order; the largest imaginary part of their squares beside them.
 std::pair<std::vector<double>, double> frequencies(const Scene& scene, const Mesh& mesh, Mass mass) {
   const BarSystem system(scene, mesh, mass);
-  SymmetricTridiagonal stiffness;
+  BandedMatrix stiffness;
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
   const MatrixXd matrix = dense(system.inertia()).inverse() * dense(stiffness);
   const auto values = matrix.eigenvalues();

@@ -203,8 +203,8 @@ TEST(Fit, IsNotConvergedWhereTheModelIsNotThatOfTheData) {
   for (std::size_t k = 0; k < study.times.size(); ++k) study.traces[0].values[k] = -study.times[k];
   const FitResult found = fit(study);
   EXPECT_FALSE(found.converged);
-  ASSERT_FALSE(found.doubts.empty());
-  EXPECT_NE(found.doubts[0].find("deviations away from the data"), std::string::npos) << found.doubts[0];
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_NE(found.warnings[0].find("deviations away from the data"), std::string::npos) << found.warnings[0];
   EXPECT_LE(found.runs, 900u);
 }
 

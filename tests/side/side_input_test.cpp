@@ -50,7 +50,7 @@ TEST(SideInput, CharacteristicsRefusesItAndAutomaticTakesRigidAndSaysWhy) {
       tells(bar + "[side]\ndrag = 1\n[method]\nname = \"characteristics\"\n", "side.drag: is not for characteristics"));
   const Case run = parse_scene(bar + "[side]\ndrag = 1\n", "").run;
   EXPECT_EQ(run.method, MethodName::rigid);
-  EXPECT_NE(run.reservation.find("side.drag"), std::string::npos) << run.reservation;
+  EXPECT_NE(run.warning.find("side.drag"), std::string::npos) << run.warning;
 }
 
 TEST(SideInput, SensitivityByAFormulaAsksForAParameter) {

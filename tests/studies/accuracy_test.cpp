@@ -341,7 +341,7 @@ TEST(ChangesThatMatter, LeaveOutFlightsAndContactsBelowTheGrain) {
   add(5.0, Change::closing, -1.0, 2.0);
   add(5.001, Change::opening, 0.0, 2.0 + 1e-7);  // a contact of 1e-7
   sample.impulse = {2.0 + 1e-7, 0.0};
-  const accuracy::Grain coarse{.height = 1e-5}, fine{.height = 1e-8};
+  const accuracy::Resolution coarse{.height = 1e-5}, fine{.height = 1e-8};
   EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, coarse).times, (std::vector<double>{1.0, 3.0}));
   EXPECT_EQ(accuracy::changes_that_matter(sample, Where::left, fine).times.size(), 6u);
 }

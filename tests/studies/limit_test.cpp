@@ -232,7 +232,7 @@ TEST(Limit, OneEpsilonAloneHasNoVerdictAndTheStudyGoesOnByItself) {
   study.budget = 0.0;
   const LimitOrders massive = only(limit_of(study));
   EXPECT_EQ(massive.verdict, Verdict::undecided);
-  EXPECT_EQ(massive.evidence.lack, Lack::smaller_epsilon);
+  EXPECT_EQ(massive.evidence.missing, Missing::smaller_epsilon);
   study.budget = 60.0;
   const LimitResult result = limit_of(study);
   EXPECT_EQ(only(result).verdict, Verdict::plateau);
@@ -318,7 +318,7 @@ TEST(Limit, WithoutBudgetTheSchemeRunsThreeTimes) {
   study.budget = 0.0;
   const LimitOrders orders = only(limit_of(study));
   EXPECT_EQ(orders.verdict, Verdict::undecided);
-  EXPECT_EQ(orders.evidence.lack, Lack::smaller_step);
+  EXPECT_EQ(orders.evidence.missing, Missing::smaller_step);
   ASSERT_EQ(orders.scheme.size(), 3u);
   EXPECT_DOUBLE_EQ(orders.scheme_step, 1e-1);
 }
@@ -412,7 +412,7 @@ TEST(LimitVerdict, WherePenalisedTracesDivergeASmallerEpsilonIsNotWhatIsLacking)
   for (std::size_t i = 0; i < steps.size(); ++i) mesh.scheme.add(steps[i], scheme[i]);
   const Judgement found = judge(mesh);
   EXPECT_EQ(found.verdict, Verdict::undecided);
-  EXPECT_EQ(found.evidence.lack, Lack::larger_epsilon);
+  EXPECT_EQ(found.evidence.missing, Missing::larger_epsilon);
 }
 
 // Ends that move by 5 and limits known to 2: however far the bar would have fallen without the obstacle.
@@ -434,7 +434,7 @@ TEST(LimitVerdict, WhatABarWouldFallWithoutItsObstacleIsNotAtStake) {
   const Judgement found = judge(mesh);
   EXPECT_EQ(found.evidence.stake, 5.0);
   EXPECT_EQ(found.verdict, Verdict::undecided);
-  EXPECT_EQ(found.evidence.lack, Lack::smaller_step);
+  EXPECT_EQ(found.evidence.missing, Missing::smaller_step);
 }
 
 class VerdictOf : public testing::TestWithParam<std::size_t> {};

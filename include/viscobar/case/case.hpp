@@ -57,7 +57,7 @@ struct Case {
 
   MethodName method = MethodName::cvode;    ///< how it is integrated
   bool automatic = false;                   ///< method was asked to be chosen, by automatic_method()
-  std::string reservation;                  ///< of that choice: what to warn of
+  std::string warning;                      ///< of that choice: what to warn of
   Tolerance tolerance;                      ///< of adaptive methods
   Formulas formulas = Formulas::automatic;  ///< of cvode
   Stepper stepper = Stepper::automatic;     ///< of odeint
@@ -100,8 +100,8 @@ inline constexpr std::string_view automatic = "automatic";
 /// The choice does not depend on sensitivities: a method without them is not exchanged for another. Measured in
 /// docs/methods.md.
 struct AutomaticMethod {
-  MethodName method;        ///< that suits the case
-  std::string reservation;  ///< the sentence, or empty
+  MethodName method;    ///< that suits the case
+  std::string warning;  ///< the sentence, or empty
 };
 /// Chooses it, see AutomaticMethod.
 AutomaticMethod automatic_method(const Case& run);

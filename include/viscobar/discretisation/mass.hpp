@@ -33,7 +33,7 @@ std::string_view meaning(Mass mass);  ///< in half a sentence
 /// Without a section A = 1.
 /// @throws std::invalid_argument for `paper` with a section or on a mesh that is not uniform, and for `fourth_order`
 /// on less than three elements.
-SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSection* section = nullptr);
+BandedMatrix mass_matrix(const Mesh& mesh, Mass mass, const VaryingSection* section = nullptr);
 
 /// Inertia of unit density over all nodes when the ends marked are contact nodes. Differs from mass_matrix() only for
 /// `redistributed`: the row of a marked end is zero, and the kinetic energy is that of the velocity field extrapolated
@@ -41,7 +41,7 @@ SymmetricTridiagonal mass_matrix(const Mesh& mesh, Mass mass, const VaryingSecti
 /// which keeps the total mass, the centre of mass and the moment of inertia of the end patch and leaves the matrix
 /// tridiagonal. With a section sizes are those of VaryingSection.
 /// @throws std::invalid_argument when the mesh has too few elements to redistribute: marked ends + 1 are needed.
-SymmetricTridiagonal inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact,
-                                    const VaryingSection* section = nullptr);
+BandedMatrix inertia_matrix(const Mesh& mesh, Mass mass, bool left_contact, bool right_contact,
+                            const VaryingSection* section = nullptr);
 
 }  // namespace viscobar

@@ -26,7 +26,7 @@ struct OneSidedRow {
 /// Tridiagonal matrix A, symmetric but for its one-sided rows and its skew part: A = T + (skew part) + (one-sided
 /// rows), T(i,i) = diagonal[i], T(i,i+1) = T(i+1,i) = off_diagonal[i]. A diagonal matrix has an empty off_diagonal, a
 /// symmetric one no one-sided rows and no skew part: nothing is stored or multiplied for what is not there.
-struct SymmetricTridiagonal {
+struct BandedMatrix {
   std::vector<double> diagonal;      ///< n
   std::vector<double> off_diagonal;  ///< n - 1, or empty
   /// In rising order, a node's to the left before its to the right; of a bar alone its end rows, the first and the
@@ -75,7 +75,7 @@ struct SymmetricTridiagonal {
   }
   /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
-  SymmetricTridiagonal& operator*=(double factor);  ///< of all entries
+  BandedMatrix& operator*=(double factor);  ///< of all entries
 
   /// out = A x. `out` and `x` have n entries and do not overlap.
   void multiply(std::span<const double> x, std::span<double> out) const;
@@ -131,11 +131,11 @@ class TridiagonalFactor {
  public:
   TridiagonalFactor() = default;
   /// The factor of a matrix, see factorise().
-  explicit TridiagonalFactor(const SymmetricTridiagonal& matrix) { factorise(matrix); }
+  explicit TridiagonalFactor(const BandedMatrix& matrix) { factorise(matrix); }
 
   /// Rebuilds the factor in place; allocates only when the size grows.
   /// @throws std::domain_error when a pivot is not positive: a symmetric matrix is not positive definite then.
-  void factorise(const SymmetricTridiagonal& matrix);
+  void factorise(const BandedMatrix& matrix);
 
   /// x <- A^{-1} x
   void solve(std::span<double> x) const;
@@ -151,7 +151,7 @@ class TridiagonalFactor {
     double upper_here, upper_beyond, upper_next;  // to the right: U(r, r+1), U(r, r+2), U(r+1, r+2)
   };
 
-  void factorise_patched(const SymmetricTridiagonal& matrix);
+  void factorise_patched(const BandedMatrix& matrix);
   void substitute_patched(std::span<double> x) const;
   void sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const;
   const double* upper() const { return upper_.empty() ? lower_.data() : upper_.data(); }
@@ -164,6 +164,6 @@ class TridiagonalFactor {
 
 /// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add
 /// to that by Woodbury's formula, in O(n m^2).
-std::vector<double> inverse_diagonal(const SymmetricTridiagonal& matrix);
+std::vector<double> inverse_diagonal(const BandedMatrix& matrix);
 
 }  // namespace viscobar

@@ -94,7 +94,7 @@ struct BarEnergy {
 };
 
 /// A spring and a dashpot between an end and the ground, and a mass on it.
-struct Mount {
+struct Support {
   std::size_t unknown = 0;  ///< of the end
   double stiffness = 0.0;   ///< k
   double dashpot = 0.0;     ///< c
@@ -122,7 +122,7 @@ struct Mount {
 class BarSystem {
  public:
   /// @throws std::invalid_argument when the mesh cannot carry the scene (no unknown node left; too few elements to
-  /// redistribute the mass; redistributed mass with a span obstacle, or where mounts and laws keep the mass of all
+  /// redistribute the mass; redistributed mass with a span obstacle, or where supports and laws keep the mass of all
   /// contact nodes; a span obstacle with an end that moves).
   BarSystem(const Scene& scene, const Mesh& mesh, Mass mass);
 
@@ -176,8 +176,8 @@ class BarSystem {
   /// Which end that is.
   bool is_right(std::size_t end) const { return end > 0 || left_fixed(); }
   /// Springs, dashpots and masses at the ends.
-  const std::vector<Mount>& mounts() const { return mounts_; }
-  bool has_dashpots() const;  ///< true if a mount has one
+  const std::vector<Support>& supports() const { return supports_; }
+  bool has_dashpots() const;  ///< true if a support has one
   /// Resistance along the bar; null: none.
   const SideRows* side() const { return side_ ? &*side_ : nullptr; }
   /// Makes the resistance along the bar that of another system of the same nodes.
@@ -260,7 +260,7 @@ class BarSystem {
   /// Energy of u + lift and w + its rate.
   BarEnergy lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
                           std::span<const double> w) const;
-  /// Contribution of the frame's velocity to the power that viscosity and mounts take at velocities w(j) of all nodes
+  /// Contribution of the frame's velocity to the power that viscosity and supports take at velocities w(j) of all nodes
   /// in it. O(1) of one bar, which asks for the ends alone.
   double lift_loss(const Lift& rate, auto&& w) const {
     double sum = end_lift_loss(rate, w(std::size_t{0}), w(mesh_.elements));
@@ -293,7 +293,7 @@ class BarSystem {
   std::optional<double> right_displacement() const { return walls_[1]; }  ///< of a fixed right end
 
   /// rho M; the row of a massless node is zero. Its symmetric part, rho Q, makes the kinetic energy.
-  const SymmetricTridiagonal& inertia() const { return inertia_; }
+  const BandedMatrix& inertia() const { return inertia_; }
   /// Nodes that an obstacle bounds, in the order left, right, span.
   const std::vector<Contact>& contacts() const { return contacts_; }
 
@@ -306,7 +306,7 @@ class BarSystem {
   /// True if any unknown has none.
   bool has_massless() const { return massless_[0] || massless_[1]; }
   /// rho M over all nodes, where something moves an end.
-  const SymmetricTridiagonal& whole_inertia() const { return whole_inertia_; }
+  const BandedMatrix& whole_inertia() const { return whole_inertia_; }
 
   /// The force on the bar that holds a fixed end, in the direction of u: what its own row lacks,
   ///
@@ -318,7 +318,7 @@ class BarSystem {
   /// (rho M a)_e of a fixed end, a over all mesh nodes.
   double held_inertia(bool right, std::span<const double> a) const;
 
-  /// out = -(E K u + eta K w) and the forces of mounts and side. Stresses are differences of neighbours, so a rigid
+  /// out = -(E K u + eta K w) and the forces of supports and side. Stresses are differences of neighbours, so a rigid
   /// motion gives exactly zero.
   void internal_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
 
@@ -326,9 +326,9 @@ class BarSystem {
   /// uniform mesh. Off the diagonal K is -1/h.
   double stiffness_diagonal(std::size_t i) const;
 
-  /// D(m,c,k) = m rho M + (c eta + k E) K and c, k times those of mounts and side, over the unknowns, written into
+  /// D(m,c,k) = m rho M + (c eta + k E) K and c, k times those of supports and side, over the unknowns, written into
   /// `out` (allocates only when `out` grows).
-  void dynamic_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+  void dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const;
 
   /// int u_x^2 of a displacement (fixed ends keep their displacement) and int w_x^2 of a velocity (they stand still);
   /// of a chain int (E_e / E) u_x^2 and int (eta_e / eta) w_x^2, joints included.
@@ -410,7 +410,7 @@ class BarSystem {
     SpaceTimeFunction density;
     NextBreak breaks;
     NextBreakAt breaks_at, breaks_in_x;
-    SymmetricTridiagonal mass;  // over all nodes
+    BandedMatrix mass;  // over all nodes
   };
 
   bool moves_frame(bool right) const { return inputs_[right].motion && (walls_[right] || following_); }
@@ -432,9 +432,9 @@ class BarSystem {
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void uniform_stiffness(double m, double scale, SymmetricTridiagonal& out) const;  // scale K + m rho M
-  void graded_stiffness(double m, double scale, SymmetricTridiagonal& out) const;   // scale K + m rho M
-  void unlike_stiffness(double m, double c, double k, SymmetricTridiagonal& out) const;
+  void uniform_stiffness(double m, double scale, BandedMatrix& out) const;  // scale K + m rho M
+  void graded_stiffness(double m, double scale, BandedMatrix& out) const;   // scale K + m rho M
+  void unlike_stiffness(double m, double c, double k, BandedMatrix& out) const;
 
   // A field of all nodes with the frame's motion.
   auto moved(const Lift& by, const auto& x) const {
@@ -455,7 +455,7 @@ class BarSystem {
   std::array<std::array<double, 3>, 2> held_rows_{};  // of rho M, of fixed ends, inwards
   std::vector<double> inverse_spacing_;               // 1 / stretch() of every element; empty if all are alike
   std::vector<double> inverse_rate_;                  // 1 / rate_stretch(), where that is another one
-  SymmetricTridiagonal inertia_;
+  BandedMatrix inertia_;
   TridiagonalFactor massive_factor_;  // of the massive block of rho M
   std::vector<Contact> contacts_;
   State initial_;
@@ -466,8 +466,8 @@ class BarSystem {
   bool following_ = false;                           // true if the frame moves with obstacles, too
   std::array<bool, 2> free_{};                       // the ends
   bool rigid_frame_ = false;                         // moves as a whole, since the other end is free
-  std::vector<Mount> mounts_;                        // of ends that have one
-  SymmetricTridiagonal whole_inertia_;               // of all nodes, where something moves an end
+  std::vector<Support> supports_;                    // of ends that have one
+  BandedMatrix whole_inertia_;                       // of all nodes, where something moves an end
   std::array<std::vector<double>, 2> lift_inertia_;  // rho M (1 - x/L) and rho M x/L, likewise
   std::optional<SideRows> side_;
   // -(M k + E K) and -(M c + eta K) times those without rho M, K of a chain, where has_lift_force().

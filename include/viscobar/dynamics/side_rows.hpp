@@ -24,7 +24,7 @@ class SideRows {
   /// @param mass M of all nodes, without rho
   /// @param stiffness k at all nodes; empty: none
   /// @param drag c at all nodes; empty: none
-  SideRows(SymmetricTridiagonal mass, std::vector<double> stiffness, std::vector<double> drag);
+  SideRows(BandedMatrix mass, std::vector<double> stiffness, std::vector<double> drag);
 
   bool has_stiffness() const { return !stiffness_.empty(); }  ///< k
   bool has_drag() const { return !drag_.empty(); }            ///< c
@@ -87,7 +87,7 @@ class SideRows {
   }
 
   /// Adds M diag(k k_j + c c_j) over the unknowns, from node `first` on, to a matrix of their size.
-  void add_to(SymmetricTridiagonal& out, std::size_t first, double c, double k) const;
+  void add_to(BandedMatrix& out, std::size_t first, double c, double k) const;
 
   /// 1/2 u.S(k) u
   double energy(auto&& u) const { return 0.5 * energy_product(u, u); }
@@ -137,7 +137,7 @@ class SideRows {
     return sum;
   }
 
-  SymmetricTridiagonal mass_;
+  BandedMatrix mass_;
   std::vector<double> stiffness_, drag_;
   bool skew_ = false;
 };

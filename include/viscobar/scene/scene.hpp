@@ -208,7 +208,7 @@ struct Scene {
   SpaceFunction velocity;                ///< u_1(x)
   std::optional<Load> load;              ///< f; absent: none
   std::optional<SideResistance> side{};  ///< k and c; absent: none
-  EndInput left_input{};                 ///< force, motion and mounts of the left end
+  EndInput left_input{};                 ///< force, motion and supports of the left end
   EndInput right_input{};                ///< the same of the right end
   Units units;                           ///< of its numbers
   Places displacement_places{};          ///< of u_0

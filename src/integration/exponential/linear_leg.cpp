@@ -37,7 +37,7 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
 
 // As TridiagonalFactor does.
 template <class Real>
-void LinearLeg<Real>::factorise(const SymmetricTridiagonal& inertia) {
+void LinearLeg<Real>::factorise(const BandedMatrix& inertia) {
   inertia_ = &inertia;
   const Index n = massive_end_ - massive_begin_;
   auto row = inertia.one_sided.begin();

@@ -15,8 +15,8 @@ using Eigen::Index;
 /// Terms of the Taylor series of a step with (rate bound) * step <= 1: 1 / 22! < 2^-64.
 inline constexpr Index taylor_order = 22;
 
-/// A closed contact: its node, where u is zero penetration, and its law. A mount is one, too, that is always closed. At
-/// a joint u is that of the node against the one before.
+/// A closed contact: its node, where u is zero penetration, and its law. A support is one, too, that is always closed.
+/// At a joint u is that of the node against the one before.
 struct ClosedContact {
   Index unknown = 0;
   double surface = 0.0;
@@ -72,7 +72,7 @@ class LinearLeg {
   bool has_end_rows() const { return inertia_->unsymmetric() || (side_ && side_->has_row_power()); }
 
  private:
-  void factorise(const SymmetricTridiagonal& inertia);
+  void factorise(const BandedMatrix& inertia);
   void solve_inertia(Vector& force) const;
   // The value at node j, from the unknowns x, the first of them being node `first_node_`.
   auto at_nodes(const auto& x, Real left, Real right) const {
@@ -89,7 +89,7 @@ class LinearLeg {
   std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
   // One a one-sided row of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
   std::vector<Real> beyond_;
-  const SymmetricTridiagonal* inertia_ = nullptr;  // the system's
+  const BandedMatrix* inertia_ = nullptr;  // the system's
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;

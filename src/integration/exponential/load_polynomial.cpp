@@ -97,7 +97,8 @@ double LoadInterpolation::parts(double t) const {
   const Lift at = system_.lift(t, 0), rate = system_.lift(t, 1);
   double force =
       std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
-  for (const Mount& mount : system_.mounts()) force += mount.stiffness * most(at) + mount.dashpot * most(rate);
+  for (const Support& support : system_.supports())
+    force += support.stiffness * most(at) + support.dashpot * most(rate);
   return force + bar.density * system_.mesh().spacing() * std::sqrt(static_cast<double>(system_.size())) *
                      most(system_.lift(t, 2));
 }

@@ -146,7 +146,7 @@ const MatrixXd& Propagator::response(int level) {
 namespace {
 
 // The largest sum of a row's magnitudes, of (rho M)^{-1}.
-double largest_row_of_inverse(const SymmetricTridiagonal& inertia) {
+double largest_row_of_inverse(const BandedMatrix& inertia) {
   const TridiagonalFactor factor(inertia);
   VectorXd sums = VectorXd::Zero(static_cast<Index>(inertia.size()));
   std::vector<double> column(inertia.size());
@@ -163,7 +163,7 @@ double largest_row_of_inverse(const SymmetricTridiagonal& inertia) {
 double norm_of_inverse_inertia(const BarSystem& bar) {
   const auto begin = static_cast<Index>(bar.massive_begin());
   const Index count = static_cast<Index>(bar.massive_end()) - begin;
-  const SymmetricTridiagonal& inertia = bar.inertia();
+  const BandedMatrix& inertia = bar.inertia();
   if (inertia.unsymmetric()) return largest_row_of_inverse(inertia);
   const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
   if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();
@@ -198,9 +198,9 @@ Propagator& PropagatorCache::present() {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
       if (state[c]) closed.push_back({node(c), surface(c), system_.law(c), system_.contact(c).joint > 0});
-    for (const Mount& mount : system_.bar().mounts()) {
-      const auto at = static_cast<Index>(mount.unknown);
-      closed.push_back({at, -origin_[at], {mount.stiffness, mount.dashpot}, false});
+    for (const Support& support : system_.bar().supports()) {
+      const auto at = static_cast<Index>(support.unknown);
+      closed.push_back({at, -origin_[at], {support.stiffness, support.dashpot}, false});
     }
     entries_.push_back({state, std::make_unique<Propagator>(system_.bar(), origin_, inverse_inertia_, load_,
                                                             std::move(closed), exponentials_)});

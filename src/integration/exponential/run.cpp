@@ -25,7 +25,7 @@ PartEnd Run::operator()(const StartingPoint& start) {
     while (t_ < times_.back()) {
       if (!advance()) continue;
       if (entered_) return std::move(*entered_);
-      if (!telling_.progress(t_)) return reached();
+      if (!notifier_.progress(t_)) return reached();
       if (t_ < times_.back() && schedule_.due(t_))
         return Checkpoint{t_, next_output_, reached(), archived(*this), frame_of(system_)};
     }
@@ -41,7 +41,7 @@ PartEnd Run::operator()(const StartingPoint& start) {
 Statistics Run::reached() {
   statistics_.reached_time = t_;
   statistics_.load_evaluations = load_evaluations_before_ + load_.evaluations() + penalised_.load_evaluations();
-  telling_.count_seconds();
+  notifier_.count_seconds();
   return statistics_;
 }
 
@@ -389,8 +389,8 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
   if (system_.moving()) velocity += system_.lift_at(penalised_.contact(c), system_.lift(t_, 1));
-  telling_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
-                 velocity);
+  notifier_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
+                  velocity);
 }
 
 std::span<const double> Run::end_sample(const Series& series, double sigma, double tau) {
@@ -507,7 +507,7 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
   };
   if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
   if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
-  telling_.snapshot(snapshot);
+  notifier_.snapshot(snapshot);
 }
 
 bool Run::energy_flows() const {

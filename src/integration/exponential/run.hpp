@@ -16,8 +16,8 @@
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
+#include "run/notifier.hpp"
 #include "run/parts.hpp"
-#include "run/telling.hpp"
 #include "run/watchdog.hpp"
 
 namespace viscobar::exponential {
@@ -43,7 +43,7 @@ class Run {
         filter_(system),
         statistics_(statistics_before(start)),
         load_evaluations_before_(statistics_.load_evaluations),
-        telling_(observers, statistics_),
+        notifier_(observers, statistics_),
         load_(system, times.front(), times.back()),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
         distance_(system_, penalised_, propagators_, load_),
@@ -155,7 +155,7 @@ class Run {
   JumpFilter filter_;
   Statistics statistics_;
   std::size_t load_evaluations_before_;
-  Telling telling_;
+  Notifier notifier_;
 
   LoadInterpolation load_;
   PropagatorCache propagators_;

@@ -47,7 +47,7 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     decay += system.side()->largest_drag() / bar.density;
   }
   const std::vector<double> masses = system.effective_masses();
-  double contact_square = 0.0, contact_decay = 0.0, mount_square = 0.0;
+  double contact_square = 0.0, contact_decay = 0.0, support_square = 0.0;
   for (const Contact& contact : system.contacts()) {
     const auto& stop = system.stop(contact);
     const PenaltyLaw law =
@@ -63,13 +63,13 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     contact_square = std::max(contact_square, law.stiffness / mass);
     contact_decay = std::max(contact_decay, law.damping / mass);
   }
-  for (const Mount& mount : system.mounts()) {
-    mount_square = std::max(mount_square, mount.stiffness / masses[mount.unknown]);
-    contact_decay = std::max(contact_decay, mount.dashpot / masses[mount.unknown]);
+  for (const Support& support : system.supports()) {
+    support_square = std::max(support_square, support.stiffness / masses[support.unknown]);
+    contact_decay = std::max(contact_decay, support.dashpot / masses[support.unknown]);
   }
   if (system.has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
   const double open = system.inertia().one_sided.empty() ? square : square * (8.0 / 12.0);
-  return {std::sqrt(square + std::max(contact_square, mount_square)), std::sqrt(open + mount_square),
+  return {std::sqrt(square + std::max(contact_square, support_square)), std::sqrt(open + support_square),
           decay + contact_decay};
 }
 

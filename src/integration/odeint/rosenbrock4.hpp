@@ -87,7 +87,7 @@ class Rosenbrock4 {
   void find_jacobian() {
     const PenalisedSystem& system = form_.system;
     const std::size_t n = system.size();
-    SymmetricTridiagonal damping, stiffness;
+    BandedMatrix damping, stiffness;
     system.dynamic_stiffness(0.0, 1.0, 0.0, damping);
     system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
     std::vector<unsigned char> held(n);

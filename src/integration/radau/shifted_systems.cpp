@@ -14,7 +14,7 @@ inline Complex reciprocal(const Complex& a) {
 }
 
 // 0 where rounding can explain them.
-void sum_rows(const SymmetricTridiagonal& matrix, const std::vector<unsigned char>& held, std::vector<double>& sums) {
+void sum_rows(const BandedMatrix& matrix, const std::vector<unsigned char>& held, std::vector<double>& sums) {
   const std::size_t n = matrix.size();
   sums.assign(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
@@ -53,7 +53,7 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
 void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side) {
   const std::size_t first = bar.first_node(), n = bar.size();
   for (const bool drag : {false, true}) {
-    SymmetricTridiagonal bare = drag ? damping_ : stiffness_;
+    BandedMatrix bare = drag ? damping_ : stiffness_;
     side.add_to(bare, first, drag ? -1.0 : 0.0, drag ? 0.0 : -1.0);
     std::vector<double>& sums = drag ? dashed_ : bound_;
     sum_rows(bare, held_, sums);
@@ -66,7 +66,7 @@ void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side)
   }
 }
 
-std::optional<std::size_t> ShiftedSystems::middle_of(const SymmetricTridiagonal& inertia) {
+std::optional<std::size_t> ShiftedSystems::middle_of(const BandedMatrix& inertia) {
   const std::size_t n = inertia.size(), middle = n / 2;
   const auto between = [&](std::size_t i) {
     return i >= 1 && i + 1 < n && std::ranges::none_of(inertia.one_sided, [i](const OneSidedRow& row) {
@@ -119,16 +119,14 @@ void ShiftedSystems::factorise(double h) {
     Complex pivot, upper, coupling;
   };
   const auto lean = [&](Front& front, std::size_t off, double towards) {
-    const auto of = [&](const SymmetricTridiagonal& matrix) {
-      return matrix.skew.empty() ? 0.0 : towards * matrix.skew[off];
-    };
+    const auto of = [&](const BandedMatrix& matrix) { return matrix.skew.empty() ? 0.0 : towards * matrix.skew[off]; };
     const Complex skew = entry(of(mass_), of(damping_), of(stiffness_));
     front.upper = front.upper + skew;
     front.coupling = front.coupling - skew;
   };
   const bool skew = !mass_.skew.empty() || !stiffness_.skew.empty();
   const auto row_entry = [&](std::size_t r, std::size_t k) {
-    const auto of = [&](const SymmetricTridiagonal& matrix) {
+    const auto of = [&](const BandedMatrix& matrix) {
       return matrix.one_sided.empty() ? 0.0 : matrix.one_sided[r].entries[k];
     };
     return entry(of(mass_), of(damping_), of(stiffness_));

@@ -21,7 +21,7 @@ class ShiftedSystems {
   static constexpr std::size_t least_size = 5;  ///< unknowns
   /// The unknown at which the eliminations from either end meet: next to the middle, where no one-sided row is nor
   /// goes across. Absent: there is none.
-  static std::optional<std::size_t> middle_of(const SymmetricTridiagonal& inertia);
+  static std::optional<std::size_t> middle_of(const BandedMatrix& inertia);
 
   /// Takes the matrices of the system with its contacts as they are.
   void take(const PenalisedSystem& system);
@@ -55,7 +55,7 @@ class ShiftedSystems {
   void substitute(RightSide&& right_side, std::span<Complex> x) const;
   Complex residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const;
 
-  SymmetricTridiagonal mass_, damping_, stiffness_;
+  BandedMatrix mass_, damping_, stiffness_;
   std::vector<double> bound_, dashed_;  // sums of the rows of K and C: what binds a node to the ground
   bool refines_ = false;
   double rounding_ = 0.0;

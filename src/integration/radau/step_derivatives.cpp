@@ -42,8 +42,7 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
     if (derivatives[k]->load_varies()) parts_[k].load_tail.resize(n);
 }
 
-void StepDerivatives::multiply(const SymmetricTridiagonal& inertia, std::span<const Complex> x,
-                               std::vector<Complex>& out) {
+void StepDerivatives::multiply(const BandedMatrix& inertia, std::span<const Complex> x, std::vector<Complex>& out) {
   const std::size_t n = x.size();
   if (inertia.off_diagonal.empty()) {
     for (std::size_t i = 0; i < n; ++i) out[i] = inertia.diagonal[i] * x[i];
@@ -80,7 +79,8 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
       rates.chain->stiffness.multiply([&](std::size_t i) { return begin_.w[i]; }, force_);
       for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += force_[i];
     }
-    for (const Mount& mount : rates.mounts) part.stiff_rate[mount.unknown] += mount.stiffness * begin_.w[mount.unknown];
+    for (const Support& support : rates.supports)
+      part.stiff_rate[support.unknown] += support.stiffness * begin_.w[support.unknown];
     if (rates.side)
       rates.side->subtract(
           [&, of_w = system_.bar().at_nodes(begin_.w)](std::size_t j) { return -rates.side->stiffness(j) * of_w(j); },
@@ -115,9 +115,9 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i];
   else if (stiff)
     for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
-  else if (!rates.mounts.empty() || rates.side)
+  else if (!rates.supports.empty() || rates.side)
     std::ranges::fill(x, Complex{Lanes::Zero(), Lanes::Zero()});
-  for (const auto& [unknown, stiffness, dashpot, mass] : rates.mounts)
+  for (const auto& [unknown, stiffness, dashpot, mass] : rates.supports)
     x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
   if (const SideRows* side = rates.side) {
     const std::size_t first = system_.bar().first_node();
@@ -127,7 +127,7 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     };
     side->subtract(resisted, first, n, x);
   }
-  return rates.chain || inertial || stiff || !rates.mounts.empty() || rates.side;
+  return rates.chain || inertial || stiff || !rates.supports.empty() || rates.side;
 }
 
 // Change of the load over the step, for a motion that stands still.

@@ -48,7 +48,7 @@ class StepDerivatives {
     LoadTail load_tail;
   };
 
-  static void multiply(const SymmetricTridiagonal& inertia, std::span<const Complex> x, std::vector<Complex>& out);
+  static void multiply(const BandedMatrix& inertia, std::span<const Complex> x, std::vector<Complex>& out);
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::vector<double>& rates);
   bool drive(std::size_t k, std::span<const Complex> motion);
   void gather_load(std::size_t k, const Step& step, std::span<const double> begin, bool driven);

@@ -108,7 +108,7 @@ class Leg {
   std::vector<Column> columns_;  // of this factor, of closed contacts that are not linear
   std::vector<double> newton_;   // the Jacobian by rows, and the residual
   bool columns_known_ = false;
-  SymmetricTridiagonal matrix_;
+  BandedMatrix matrix_;
   TridiagonalFactor factor_;
   double m_ = 0.0, c_ = 0.0, k_ = 0.0;
   std::uint64_t revision_ = 0;

@@ -36,8 +36,8 @@ double root_mean_square(const MeasuredTrace& data, const std::vector<double>& mo
 }
 
 std::vector<std::string> remarks(const FitStudy& study, const FitResult& result) {
-  std::vector<std::string> found = study.doubts;
-  found.insert(found.end(), result.doubts.begin(), result.doubts.end());
+  std::vector<std::string> found = study.warnings;
+  found.insert(found.end(), result.warnings.begin(), result.warnings.end());
   for (const Undetermined& lack : result.undetermined) {
     std::string shares;
     for (std::size_t k = 0; k < lack.shares.size(); ++k)

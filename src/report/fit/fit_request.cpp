@@ -71,13 +71,13 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-void doubt(FitStudy& study, const TraceFile& table) {
-  study.doubts.insert(study.doubts.end(), table.doubts.begin(), table.doubts.end());
+void add_warnings(FitStudy& study, const TraceFile& table) {
+  study.warnings.insert(study.warnings.end(), table.warnings.begin(), table.warnings.end());
 }
 
 void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
   const TraceFile table = read_measured(scene, file, names_of_traces(), {"t"});
-  doubt(study, table);
+  add_warnings(study, table);
   study.times = table.column("t")->values;
   for (const TraceFile::Column& found : table.columns) {
     if (found.name == "t") continue;
@@ -95,7 +95,7 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file)
 void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {
   const TraceFile table =
       read_measured(scene, file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
-  doubt(study, table);
+  add_warnings(study, table);
   study.changes = changes_in(table, file);
   study.understood.push_back(table.understood);
 }

@@ -241,7 +241,7 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
                   {"runs", judgement.runs},
                   {"reason", judgement.reason}};
   json["data"] = asked.understood;
-  return study_json(std::move(json), asked.doubts, asked.scene);
+  return study_json(std::move(json), asked.warnings, asked.scene);
 }
 
 std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
@@ -254,7 +254,7 @@ std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgem
   if (!table.rows.empty()) out += "\n" + text(table);
   out += "\n";
   for (const std::string& line : sentences(study, judgement, number)) out += line + ".\n";
-  for (const std::string& line : asked.doubts) out += line + ".\n";
+  for (const std::string& line : asked.warnings) out += line + ".\n";
   return out;
 }
 
@@ -268,7 +268,7 @@ PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judge
   if (!table.rows.empty()) page.add_section("Contacts", html(table));
   page.add(curves(study, judgement, number));
   std::vector<std::string> notes = asked.understood;
-  notes.insert(notes.end(), asked.doubts.begin(), asked.doubts.end());
+  notes.insert(notes.end(), asked.warnings.begin(), asked.warnings.end());
   page.add_section("The files", notes_html(notes));
   return page.with_figures();
 }

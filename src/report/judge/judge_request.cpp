@@ -49,7 +49,7 @@ PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>
       const auto [file, step] = file_and_step(text);
       const TraceFile table = read_measured(prepared.scene, file, names, {"t"}, {"where", "change"});
       prepared.understood.push_back(table.understood);
-      prepared.doubts.insert(prepared.doubts.end(), table.doubts.begin(), table.doubts.end());
+      prepared.warnings.insert(prepared.warnings.end(), table.warnings.begin(), table.warnings.end());
       std::vector<TheirSolution>& all = study.solutions;
       const bool where = table.column("where"), change = table.column("change"), tells_changes = where || change;
       if (tells_changes && !(where && change && table.columns.size() == 3))

@@ -13,7 +13,7 @@ struct PreparedJudgement {
   SceneFile scene;
   JudgeStudy study;
   std::vector<std::string> understood;  ///< how the files were read, a line each
-  std::vector<std::string> doubts;      ///< values that were left out as codes, in sentences
+  std::vector<std::string> warnings;    ///< values that were left out as codes, in sentences
 };
 
 /// Settings that leave to us what a scene says of its own solution: method, mesh, epsilon, step and tolerances.

@@ -79,33 +79,33 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
            ? fmt::format("; {} changes {}, beside which all of this must be small",
                          evidence.by_law ? "another law of impact" : "contact itself", length(*evidence.stake))
            : std::string());
-  switch (evidence.lack) {
-    case Lack::obstacle:
+  switch (evidence.missing) {
+    case Missing::obstacle:
       return fmt::format(
           "the bar goes {} deep into the obstacle at epsilon = {}, a tenth or more of its displacement: so "
           "soft a penalty is no obstacle{}. Smaller epsilons would decide it: leave --epsilon out",
           length(last.max_penetration), penalty(last.epsilon), budget);
-    case Lack::contact:
+    case Missing::contact:
       return fmt::format(
           "nothing touches an obstacle at epsilon = {}, so there is no contact to compare; {}. A smaller gap, a "
           "longer run or a throw towards the obstacle would decide it",
           penalty(last.epsilon), found);
-    case Lack::penalties:
+    case Missing::penalties:
       return found +
              ". Whether the penalised bar settles takes three epsilons or more to say: a longer --epsilon range would "
              "decide it";
-    case Lack::smaller_epsilon: return fmt::format("{}. A smaller epsilon would decide it{}", known, budget);
-    case Lack::larger_epsilon:
+    case Missing::smaller_epsilon: return fmt::format("{}. A smaller epsilon would decide it{}", known, budget);
+    case Missing::larger_epsilon:
       return fmt::format(
           "{}; the penalised bar changes the more from one epsilon to the next, the smaller they are. That is the "
           "error of the time integration at so stiff a penalty, or contact that magnifies it. A range that ends at a "
           "larger epsilon, method.name = \"exponential\" or a shorter time.end would decide it",
           found);
-    case Lack::tighter_tolerance:
+    case Missing::tighter_tolerance:
       return fmt::format("{}. Tighter tolerances than {:.1g} would decide it{}", known, orders.tolerance, budget);
-    case Lack::smaller_step:
-    case Lack::runs:
-    case Lack::nothing: break;
+    case Missing::smaller_step:
+    case Missing::runs:
+    case Missing::nothing: break;
   }
   std::string text = fmt::format("{}. A smaller step would decide it{}", known, budget);
   if (!evidence.scheme_error && orders.scheme.size() > 4)

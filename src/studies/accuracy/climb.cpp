@@ -69,7 +69,7 @@ std::vector<MeshStep> Plan::ladder(const std::vector<Setting>& steps, bool* same
   const std::size_t count = steps.size();
   for (std::size_t k = 0; k + 1 < count; ++k)
     result.push_back({steps[k].elements, steps[k + 1].elements, apart(steps[k], steps[k + 1])});
-  if (count >= 2) *same = compare_changes(runs_.of(steps[count - 2]), runs_.of(steps[count - 1]), grain()).same;
+  if (count >= 2) *same = compare_changes(runs_.of(steps[count - 2]), runs_.of(steps[count - 1]), resolution()).same;
   if (count >= 3) result.back().alignment = aligned(steps[count - 3], steps[count - 2], steps[count - 1]);
   return result;
 }

@@ -62,8 +62,8 @@ ErrorEstimate Plan::judge_exact() {
       "characteristics: the bar has no viscosity, and its waves are followed without a mesh; the "
       "elements are places of output only");
   const Sample& other = runs_.of(nudged(chosen_));
-  const double moved = difference(solution, other, study_.request.of, grain());
-  const SameChanges changes = compare_changes(solution, other, grain());
+  const double moved = difference(solution, other, study_.request.of, resolution());
+  const SameChanges changes = compare_changes(solution, other, resolution());
   const double gain = std::max(moved / moved_by_nudge(), study_.request.of == Goal::displacement ? 1.0 : 0.0);
   if (const auto& waves = solution.statistics.representation) {
     estimate.space = waves->error * gain;

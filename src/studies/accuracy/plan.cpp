@@ -137,31 +137,31 @@ void Plan::tell(const std::string& what) const {
   if (study_.message) study_.message(what);
 }
 
-Grain Plan::grain() const {
+Resolution Plan::resolution() const {
   const Bar& bar = base_.scene.bar;
-  Grain grain;
-  grain.impedance = std::sqrt(bar.density * bar.modulus);
+  Resolution resolution;
+  resolution.impedance = std::sqrt(bar.density * bar.modulus);
   const double share = 0.5 * requested_.value_or(0.0);
   switch (study_.request.of) {
     case Goal::displacement:
-    case Goal::end_traces: grain.height = share; break;
-    case Goal::contact_times: grain.duration = share; break;
-    case Goal::impulse: grain.height = share / grain.impedance; break;
+    case Goal::end_traces: resolution.height = share; break;
+    case Goal::contact_times: resolution.duration = share; break;
+    case Goal::impulse: resolution.height = share / resolution.impedance; break;
     case Goal::peak_reaction:
     case Goal::end_velocity: break;
   }
-  return grain;
+  return resolution;
 }
 
 double Plan::apart(const Setting& coarse, const Setting& fine) const {
-  const auto compute = [&] { return difference(runs_.of(coarse), runs_.of(fine), study_.request.of, grain()); };
+  const auto compute = [&] { return difference(runs_.of(coarse), runs_.of(fine), study_.request.of, resolution()); };
   if (!is_field(study_.request.of)) return compute();
   const auto [place, unknown] = differences_.try_emplace({coarse, fine});
   return unknown ? place->second = compute() : place->second;
 }
 
 double Plan::aligned(const Setting& first, const Setting& second, const Setting& third) const {
-  return alignment(runs_.of(first), runs_.of(second), runs_.of(third), study_.request.of, grain());
+  return alignment(runs_.of(first), runs_.of(second), runs_.of(third), study_.request.of, resolution());
 }
 
 Case Plan::next() {

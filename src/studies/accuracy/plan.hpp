@@ -56,7 +56,7 @@ class Plan {
 
   Case with(const Setting& setting) const;
   Setting at(std::size_t elements) const { return {elements, chosen_.fineness, chosen_.epsilon}; }
-  Grain grain() const;
+  Resolution resolution() const;
   // Distance and alignment of runs that were made. Each distance of fields is computed once.
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;

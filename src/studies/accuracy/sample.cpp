@@ -202,14 +202,14 @@ double travel(const Sample& sample, Where end, std::size_t joint, double from, d
 
 }  // namespace
 
-Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain, std::size_t joint) {
+Changes changes_that_matter(const Sample& sample, Where end, const Resolution& resolution, std::size_t joint) {
   // A flight that is too low makes one contact of its neighbours.
   std::vector<Contact> merged;
   for (const Contact& next : contacts_of(sample, end, joint)) {
     const double flight = merged.empty() ? 0.0 : next.begin - merged.back().end;
-    const bool high = merged.empty() || flight * next.closing_speed >= grain.height ||
-                      travel(sample, end, joint, merged.back().end, next.begin) >= grain.height;
-    if (merged.empty() || (high && flight >= grain.duration)) {
+    const bool high = merged.empty() || flight * next.closing_speed >= resolution.height ||
+                      travel(sample, end, joint, merged.back().end, next.begin) >= resolution.height;
+    if (merged.empty() || (high && flight >= resolution.duration)) {
       merged.push_back(next);
       continue;
     }
@@ -221,12 +221,14 @@ Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain,
   Changes changes;
   const double speed = sample.speed[index_of(end, joint)];
   for (const Contact& contact : merged) {
-    if (std::abs(contact.impulse) < grain.height * grain.impedance || contact.end - contact.begin < grain.duration)
+    if (std::abs(contact.impulse) < resolution.height * resolution.impedance ||
+        contact.end - contact.begin < resolution.duration)
       continue;
     if (changes.times.empty()) changes.first_closes = !contact.from_start;
     if (!contact.from_start) changes.times.push_back(contact.begin);
     const double rest = sample.end - contact.end;
-    if (!contact.to_end && rest >= grain.duration && rest * speed >= grain.height) changes.times.push_back(contact.end);
+    if (!contact.to_end && rest >= resolution.duration && rest * speed >= resolution.height)
+      changes.times.push_back(contact.end);
   }
   return changes;
 }
@@ -288,13 +290,13 @@ Values at_places(const Sample& sample, const std::vector<Place>& places, std::si
 }
 
 // The goals that are a few numbers of a run.
-std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
+std::vector<double> numbers(const Sample& sample, Goal of, const Resolution& resolution) {
   std::vector<double> all;
   if (of == Goal::impulse) return sample.impulse;
   if (of == Goal::peak_reaction) return sample.peak;
   if (of == Goal::contact_times)
     each_place(sample, [&](Where end, std::size_t joint) {
-      const Changes changes = changes_that_matter(sample, end, grain, joint);
+      const Changes changes = changes_that_matter(sample, end, resolution, joint);
       all.insert(all.end(), changes.times.begin(), changes.times.end());
     });
   return all;
@@ -302,7 +304,7 @@ std::vector<double> numbers(const Sample& sample, Goal of, const Grain& grain) {
 
 // Calls visit(u) with what the goal is of, u[n] being that of run n: of a field the values at the places of the first
 // run, time by time.
-void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& grain, auto&& visit) {
+void compare(const std::vector<const Sample*>& samples, Goal of, const Resolution& resolution, auto&& visit) {
   std::vector<std::vector<double>> copies(samples.size());
   std::vector<Values> u;
   if (of == Goal::end_velocity) {
@@ -314,7 +316,7 @@ void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& gr
     const std::size_t rows = std::ranges::min(samples, {}, &Sample::rows)->rows();
     for (std::size_t n = 0; n < samples.size(); ++n) u.push_back(at_places(*samples[n], places, rows, copies[n]));
   } else {
-    for (std::size_t n = 0; n < samples.size(); ++n) copies[n] = numbers(*samples[n], of, grain);
+    for (std::size_t n = 0; n < samples.size(); ++n) copies[n] = numbers(*samples[n], of, resolution);
     const std::size_t count = std::ranges::min(copies, {}, &std::vector<double>::size).size();
     for (const std::vector<double>& all : copies) u.emplace_back(all.data(), static_cast<Eigen::Index>(count));
   }
@@ -325,10 +327,11 @@ void compare(const std::vector<const Sample*>& samples, Goal of, const Grain& gr
 
 bool is_field(Goal of) { return of == Goal::displacement || of == Goal::end_traces || of == Goal::end_velocity; }
 
-SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain) {
+SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Resolution& resolution) {
   SameChanges result;
   each_place(coarse, [&](Where end, std::size_t joint) {
-    const Changes a = changes_that_matter(coarse, end, grain, joint), b = changes_that_matter(fine, end, grain, joint);
+    const Changes a = changes_that_matter(coarse, end, resolution, joint),
+                  b = changes_that_matter(fine, end, resolution, joint);
     result.coarse += a.times.size();
     result.fine += b.times.size();
     if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same = false;
@@ -336,15 +339,16 @@ SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grai
   return result;
 }
 
-double difference(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain) {
+double difference(const Sample& coarse, const Sample& fine, Goal of, const Resolution& resolution) {
   double largest = 0.0;
-  compare({&coarse, &fine}, of, grain, [&](const auto& u) { largest = (u[0] - u[1]).abs().maxCoeff(); });
+  compare({&coarse, &fine}, of, resolution, [&](const auto& u) { largest = (u[0] - u[1]).abs().maxCoeff(); });
   return largest;
 }
 
-double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain) {
+double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of,
+                 const Resolution& resolution) {
   double cosine = 1.0;
-  compare({&first, &second, &third}, of, grain, [&](const auto& u) {
+  compare({&first, &second, &third}, of, resolution, [&](const auto& u) {
     const double before = (u[1] - u[0]).square().sum(), after = (u[2] - u[1]).square().sum();
     if (before > 0.0 && after > 0.0) cosine = ((u[1] - u[0]) * (u[2] - u[1])).sum() / std::sqrt(before * after);
   });

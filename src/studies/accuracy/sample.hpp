@@ -80,7 +80,7 @@ double largest(const Sample& sample, Goal of);
 /// as the speed at their end and the output times within them show, and contacts whose impulse moves the bar by less,
 /// J / sqrt(rho E). With `span` of time in place of it, without flights
 /// and contacts that last less.
-struct Grain {
+struct Resolution {
   double height = 0.0;
   double duration = 0.0;
   double impedance = 1.0;  ///< sqrt(rho E)
@@ -90,7 +90,7 @@ struct Changes {
   bool first_closes = true;
   std::vector<double> times;
 };
-Changes changes_that_matter(const Sample& sample, Where end, const Grain& grain, std::size_t joint = 0);
+Changes changes_that_matter(const Sample& sample, Where end, const Resolution& resolution, std::size_t joint = 0);
 
 /// True if the goal is a field over time; else it is a few numbers of the run.
 bool is_field(Goal of);
@@ -100,15 +100,15 @@ struct SameChanges {
   bool same = true;
   std::size_t coarse = 0, fine = 0;  ///< changes of the two
 };
-SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Grain& grain);
+SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Resolution& resolution);
 
 /// How far two runs are apart, in the unit of the goal: at the places of the first, whose mesh is the coarser one;
-/// where they are no nodes of the other, by interpolation with six of its nodes. The grain counts for contact times
-/// alone.
-double difference(const Sample& coarse, const Sample& fine, Goal of, const Grain& grain = {});
+/// where they are no nodes of the other, by interpolation with six of its nodes. The resolution counts for contact
+/// times alone.
+double difference(const Sample& coarse, const Sample& fine, Goal of, const Resolution& resolution = {});
 
 /// Cosine of the angle between two changes of a solution, from the first run to the second and from that to the third,
 /// as vectors of what the goal is of, at the places of the first. 1 where one of them vanishes.
-double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Grain& grain);
+double alignment(const Sample& first, const Sample& second, const Sample& third, Goal of, const Resolution& resolution);
 
 }  // namespace viscobar::accuracy

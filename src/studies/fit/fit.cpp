@@ -99,7 +99,7 @@ Eigen::VectorXd model_error(const FitStudy& study, const Minimum& best, const Ei
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    result.doubts.push_back(fmt::format("the model's own error is not in the deviations: {}", error.what()));
+    result.warnings.push_back(fmt::format("the model's own error is not in the deviations: {}", error.what()));
     return Eigen::VectorXd::Zero(inverse.rows());
   }
 }
@@ -227,10 +227,10 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   return lower;
 }
 
-void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
-  const std::size_t before = result.doubts.size();
+void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
+  const std::size_t before = result.warnings.size();
   if (is_large(study, best.misfit))
-    result.doubts.push_back(
+    result.warnings.push_back(
         fmt::format("the model stays {:.3g} deviations away from the data: either it is not theirs, or these are not "
                     "the values; other starts, bounds, or parameters that are held now may help",
                     result.residual));
@@ -239,11 +239,11 @@ void doubt(const FitStudy& study, const std::vector<Minimum>& found, const Minim
       std::string values;
       for (Eigen::Index k = 0; k < other.at.size(); ++k)
         values += fmt::format("{}{} = {:.6g}", values.empty() ? "" : ", ", study.parameters[k].key, other.at(k));
-      result.doubts.push_back("starts disagree: other values meet the data as well: " + values);
+      result.warnings.push_back("starts disagree: other values meet the data as well: " + values);
       break;
     }
   const bool bound = std::ranges::any_of(result.parameters, &Estimate::at_bound);
-  if (result.doubts.size() == before && !bound && result.undetermined.empty()) return;
+  if (result.warnings.size() == before && !bound && result.undetermined.empty()) return;
   if (result.converged) result.reason = "it came to a minimum that is not to be relied on: see the warnings";
   result.converged = false;
 }
@@ -377,7 +377,8 @@ std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, cons
   std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
   tried.resize(3);
   for (const auto& [sum, at] : tried)
-    if (Minimum found = search.minimum_from(at, Compared::exact, study.most_runs); is_explained(study, found.misfit)) return found;
+    if (Minimum found = search.minimum_from(at, Compared::exact, study.most_runs); is_explained(study, found.misfit))
+      return found;
   return std::nullopt;
 }
 
@@ -478,7 +479,7 @@ FitResult fit(const FitStudy& study) {
   result.iterations = minimum.iterations;
   result.converged = minimum.converged;
   result.reason = minimum.reason;
-  doubt(study, found, minimum, result);
+  add_warnings(study, found, minimum, result);
   result.traces = minimum.misfit.traces;
   result.changes = minimum.misfit.changes;
   result.lost = minimum.misfit.lost;

@@ -227,7 +227,8 @@ std::optional<Judgement> by_beginning(MeshRuns& mesh, const LimitStudy& study, P
   for (int k = 0; k < halvings; ++k) {
     until *= 0.5;
     Judgement found = judge_mesh(mesh, study, purse, until);
-    while (found.evidence.lack == Lack::smaller_step && mesh.scheme.back().seconds < mesh.own_limit()->run.seconds &&
+    while (found.evidence.missing == Missing::smaller_step &&
+           mesh.scheme.back().seconds < mesh.own_limit()->run.seconds &&
            smaller_step(mesh, study, scheme_refinement, purse))
       found = judge_mesh(mesh, study, purse, until);
     const LimitEvidence& evidence = found.evidence;
@@ -248,12 +249,12 @@ void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
   const std::size_t asked = mesh.penalised.size();
   for (;;) {
     mesh.judgement = judge_mesh(mesh, study, purse);
-    const Lack lack = mesh.judgement.evidence.lack;
-    if (lack == Lack::nothing || lack == Lack::contact || lack == Lack::runs) break;
-    const Run* next = lack == Lack::smaller_step && !mesh.scheme.empty() ? &mesh.scheme.back()
-                      : lack == Lack::smaller_epsilon                    ? &mesh.penalised.back()
-                      : lack == Lack::tighter_tolerance                  ? &mesh.own_limit()->run
-                                                                         : nullptr;
+    const Missing missing = mesh.judgement.evidence.missing;
+    if (missing == Missing::nothing || missing == Missing::contact || missing == Missing::runs) break;
+    const Run* next = missing == Missing::smaller_step && !mesh.scheme.empty() ? &mesh.scheme.back()
+                      : missing == Missing::smaller_epsilon                    ? &mesh.penalised.back()
+                      : missing == Missing::tighter_tolerance                  ? &mesh.own_limit()->run
+                                                                               : nullptr;
     const bool costly = (next && next->seconds > dear * study.budget) || mesh.penalised.size() >= asked + enough;
     if (early && (costly || !mesh.of_scheme)) {
       early = false;
@@ -264,15 +265,16 @@ void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse) {
         break;
       }
     }
-    const bool tighter = lack == Lack::tighter_tolerance && tighten(mesh, purse);
-    const bool finer =
-        (lack == Lack::smaller_step || lack == Lack::penalties) && smaller_step(mesh, study, scheme_refinement, purse);
-    const bool stiffer = (lack == Lack::smaller_epsilon || lack == Lack::obstacle) && smaller_epsilon(mesh, purse);
+    const bool tighter = missing == Missing::tighter_tolerance && tighten(mesh, purse);
+    const bool finer = (missing == Missing::smaller_step || missing == Missing::penalties) &&
+                       smaller_step(mesh, study, scheme_refinement, purse);
+    const bool stiffer =
+        (missing == Missing::smaller_epsilon || missing == Missing::obstacle) && smaller_epsilon(mesh, purse);
     if (!tighter && !finer && !stiffer) break;
   }
   const LimitEvidence& evidence = mesh.judgement.evidence;
-  if (evidence.lack != Lack::nothing || (evidence.apart && evidence.apart_error > part_known * *evidence.apart &&
-                                         mesh.judgement.verdict == Verdict::plateau))
+  if (evidence.missing != Missing::nothing || (evidence.apart && evidence.apart_error > part_known * *evidence.apart &&
+                                               mesh.judgement.verdict == Verdict::plateau))
     if (const auto found = by_beginning(mesh, study, purse)) mesh.judgement = *found;
 }
 

@@ -94,7 +94,7 @@ double stake_of_contact(const LimitTraces& mesh) {
 
 Judgement known(Verdict verdict, Judgement found) {
   found.verdict = verdict;
-  found.evidence.lack = Lack::nothing;
+  found.evidence.missing = Missing::nothing;
   return found;
 }
 
@@ -124,18 +124,18 @@ Judgement judge_known(const LimitTraces& mesh) {
   const bool differ = *evidence.lower() > 0.0;
   if (!differ && hardest_impact(other.traces) > 0.0 && !mesh.one_limit) {
     // Two laws of impact do not lead to one limit because their difference is too small to be seen.
-    evidence.lack = Lack::tighter_tolerance;
+    evidence.missing = Missing::tighter_tolerance;
     return found;
   }
   if (!differ) evidence.stake = stake_of_contact(mesh);
   const double near = differ ? 0.5 * *evidence.apart : part_of_stake * *evidence.stake;
   if (!differ && evidence.apart_error > part_of_contact * *evidence.stake)
-    evidence.lack = Lack::tighter_tolerance;
+    evidence.missing = Missing::tighter_tolerance;
   else if (left_over(penalised, by_penalty.order) > near ||
            !(p <= beyond_doubt * near || penalised.falls(by_penalty.order)))
-    evidence.lack = Lack::smaller_epsilon;
+    evidence.missing = Missing::smaller_epsilon;
   else if (left_over(scheme, by_step.order) > near || !(s <= beyond_doubt * near || scheme.falls(by_step.order)))
-    evidence.lack = Lack::smaller_step;
+    evidence.missing = Missing::smaller_step;
   else
     return known(differ ? Verdict::plateau : Verdict::converges, found);
   return found;
@@ -169,27 +169,27 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
   found.scheme_error = scheme.error;
   if (scheme.settled) evidence.scheme_error = scheme.error;
   if (mesh.penalised.x.size() < 3) {
-    evidence.lack = Lack::penalties;
+    evidence.missing = Missing::penalties;
     return found;
   }
   const Settling penalised = settling(mesh.penalised, by_penalty, mesh.floor);
   if (!penalised.settled) {
     const bool small = !mesh.boundary || mesh.penalised.x.back() < part_of_boundary * *mesh.boundary;
-    evidence.lack = penalised.grows && small ? Lack::larger_epsilon : Lack::smaller_epsilon;
+    evidence.missing = penalised.grows && small ? Missing::larger_epsilon : Missing::smaller_epsilon;
     return found;
   }
   evidence.penalty_error = penalised.error;
-  evidence.lack = Lack::smaller_step;
+  evidence.missing = Missing::smaller_step;
   if (!scheme.settled) return found;
   if (*evidence.lower() > 0.0) return known(Verdict::plateau, found);
   const bool impact = impacts(mesh.penalised);
   // Two laws of impact do not lead to one limit because their difference is too small to be seen.
   if (impact && !mesh.one_law) {
-    if (evidence.difference + scheme.error < penalised.error) evidence.lack = Lack::smaller_epsilon;
+    if (evidence.difference + scheme.error < penalised.error) evidence.missing = Missing::smaller_epsilon;
     return found;
   }
   // The larger error first: the other one does not help while it hides as much.
-  if (scheme.error < penalised.error) evidence.lack = Lack::smaller_epsilon;
+  if (scheme.error < penalised.error) evidence.missing = Missing::smaller_epsilon;
   double part = part_of_contact;
   if (impact) {
     const TraceSequence other = mesh.other_law();
@@ -208,7 +208,7 @@ Judgement judge_massive(const LimitTraces& mesh, const TraceSequence& schemes) {
 
 Judgement judge_massive(const LimitTraces& mesh) {
   Judgement as_run = judge_massive(mesh, mesh.scheme);
-  if (as_run.evidence.lack != Lack::smaller_step) return as_run;
+  if (as_run.evidence.missing != Missing::smaller_step) return as_run;
   const std::vector<EndTraces> traces = extrapolated(mesh.scheme);
   TraceSequence sequence;
   for (std::size_t i = 0; i < traces.size(); ++i) sequence.add(mesh.scheme.x[i + 1], traces[i]);
@@ -252,7 +252,7 @@ Sequence TraceSequence::to(const EndTraces& limit, double floor) const {
 Judgement judge(const LimitTraces& mesh) {
   if (mesh.penalised.x.empty() || mesh.scheme.x.empty()) {
     Judgement none;
-    none.evidence.lack = Lack::runs;
+    none.evidence.missing = Missing::runs;
     return none;
   }
   const EndTraces& penalised = mesh.penalised.last();
@@ -262,7 +262,7 @@ Judgement judge(const LimitTraces& mesh) {
     return limits ? judge_known(mesh) : judge_massive(mesh);
   Judgement found;
   found.evidence.difference = largest_difference(penalised, mesh.scheme.last());
-  found.evidence.lack = through ? Lack::obstacle : Lack::contact;
+  found.evidence.missing = through ? Missing::obstacle : Missing::contact;
   found.scheme_error = settling(mesh.scheme, by_step, mesh.floor).error;
   return found;
 }

@@ -84,7 +84,7 @@ struct FitStudy {
   bool differences = false;
   std::function<bool()> stop;           ///< asked after each step of each run; may be empty
   std::vector<std::string> understood;  ///< how files of data were read, a line each, told with the result
-  std::vector<std::string> doubts;      ///< suspect features of the data, a sentence each, told among the warnings
+  std::vector<std::string> warnings;    ///< suspect features of the data, a sentence each, told among the warnings
 };
 
 /// Result for one parameter.
@@ -115,8 +115,8 @@ struct FitResult {
   std::size_t freedom = 0;                  ///< m - n; 0: the deviations are those of the data as given
   std::size_t runs = 0;                     ///< of the model, all starts together
   std::size_t iterations = 0;               ///< of the best start
-  bool converged = false;                   ///< true if it reached a minimum and `doubts` is empty
-  std::vector<std::string> doubts;          ///< reasons not to trust the result, a sentence each
+  bool converged = false;                   ///< true if it reached a minimum and `warnings` is empty
+  std::vector<std::string> warnings;        ///< reasons not to trust the result, a sentence each
   std::string reason;                       ///< why it ended
   std::vector<double> sums;                 ///< S at each start's end
   std::vector<std::vector<double>> traces;  ///< of the model, as the study's

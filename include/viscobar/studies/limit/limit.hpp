@@ -62,12 +62,12 @@ struct FailedRun {
 enum class Verdict {
   converges,  ///< P(0) and S(0) are one, and both sequences are seen to tend there
   plateau,    ///< they differ by more than all uncertainties
-  undecided   ///< the runs do not tell; LimitEvidence::lack says what would
+  undecided   ///< the runs do not tell; LimitEvidence::missing says what would
 };
 std::string_view name(Verdict verdict);  ///< as in JSON
 
 /// Evidence that an undecided verdict lacks.
-enum class Lack {
+enum class Missing {
   nothing,           ///< the verdict is known
   obstacle,          ///< the bar goes through it: a penetration of a tenth of max|u| or more at the smallest epsilon
   contact,           ///< nothing touches an obstacle at the smallest epsilon: there is nothing to compare
@@ -100,7 +100,7 @@ struct LimitEvidence {
   std::optional<double> stake;
   bool by_law = false;            ///< true if the stake is that of another restitution
   std::optional<double> until{};  ///< the verdict is that of the time up to there, where less than the run tells it
-  Lack lack = Lack::nothing;      ///< of an undecided verdict
+  Missing missing = Missing::nothing;  ///< of an undecided verdict
 
   /// Bounds of |P(0) - S(0)|; absent where a term is.
   std::optional<double> lower() const;

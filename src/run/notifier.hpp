@@ -31,10 +31,10 @@ class Stopwatch {
 };
 
 /// Tells the observers of a part of a run, its clock stopped meanwhile if they ask for it, and counts on the way.
-class Telling {
+class Notifier {
  public:
   /// `statistics` are those of the parts before; both outlive it.
-  Telling(const Observers& observers, Statistics& statistics)
+  Notifier(const Observers& observers, Statistics& statistics)
       : observers_(observers), statistics_(statistics), seconds_before_(statistics.integration_seconds) {}
 
   void snapshot(const Snapshot& now) {
