@@ -192,7 +192,6 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   return weights;
 }
 
-// True if one of the two nodes of contact i, at a joint, is the end of a bar.
 bool PenalisedSystem::is_of_bar(std::size_t i) const {
   const std::size_t right = contact(i).unknown + bar_.first_node();
   return bar_.is_element_of_bar(right) || (right > 1 && bar_.is_element_of_bar(right - 2));

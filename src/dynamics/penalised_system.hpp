@@ -137,6 +137,8 @@ class PenalisedSystem {
   /// True if the law alone tells the force of contact i, and no row: that of a rigid body without a bar, beside another
   /// contact; of a penalty also where no other one meets the body.
   bool by_law(std::size_t i) const { return by_law_[i] != 0; }
+  /// True if one of the two nodes of contact i, at a joint, is the end of a bar: else both are rigid bodies.
+  bool is_of_bar(std::size_t i) const;
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
   /// the dashpot has left of the oscillation less than exp(-40), which is below rounding, zeta omega = b / (2 m).
   bool has_come_to_rest(std::size_t i, double time) const;
@@ -382,7 +384,6 @@ class PenalisedSystem {
 
  private:
   bool massless(std::size_t unknown) const { return bar_.massless(unknown); }
-  bool is_of_bar(std::size_t i) const;
   bool is_met_elsewhere(std::size_t i, std::size_t unknown) const;
   void add_joint_weights(std::size_t i, IndicatorWeights& weights) const;
   double joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const;

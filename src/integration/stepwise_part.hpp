@@ -497,6 +497,7 @@ class StepwisePart {
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = system_.contact(i).of(w());
     const bool of_scene = system_.bar().mass_at(system_.contact(i)) > 0.0 ||
+                          (system_.contact(i).joint > 0 && !system_.is_of_bar(i)) ||
                           2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
     const bool counts =
         collision.rests || leaves != 0.0 || !closing || (std::abs(*closing) > weights.promised_velocity() && of_scene);

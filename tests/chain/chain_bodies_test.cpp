@@ -62,7 +62,7 @@ TEST(RigidBodies, ARamLeavesAWallWithItsRestitution) {
 // v1 = (m1 - e m2) / (m1 + m2), v2 = (1 + e) m1 / (m1 + m2), impulse m2 v2.
 TEST(RigidBodies, TwoThatMeetKeepTheirMomentum) {
   for (const double e : {0.0, 0.5})
-    for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
+    for (const char* method : {"rigid", "cvode", "ida", "arkode", "odeint", "exponential", "fully_discrete"}) {
       const std::string what = fmt::format("{} {}", method, e);
       const Recording found =
           run_of("[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nmass = 1.0\nvelocity = 0.0\n" + far_bar +
@@ -130,6 +130,42 @@ TEST(RigidBodies, ARamOnASpringMeetsAWallByAllMethodsAlike) {
   }
 }
 
+// A ram, a cap and a pile: the row of the ram tells the force on the cap, its spring, dashpot and force included, and
+// `[side]` is in the row of the pile. The scheme has the same impacts without rebound, to order one in its step.
+TEST(RigidBodies, ARamOnACapIsToldByItsRow) {
+  const std::string pile = "length = 1.0\nelements = 20\nviscosity = 0.05\nvelocity = 0.0\n",
+                    joints = "[[joint]]\nkind = \"contact\"\ngap = {}\n[[joint]]\nkind = \"contact\"\ngap = {}\n";
+  for (const bool mirrored : {false, true})
+    for (const char* at_ram : {"", "stiffness = 3.0\ndashpot = 0.2\n", "force = \"0.5*sin(t)\"\n", "side"}) {
+      const bool side = at_ram == std::string("side");
+      const std::string ram = fmt::format("mass = 2.0\nvelocity = {}\n", mirrored ? -2.0 : 2.0),
+                        cap = "mass = 0.5\nvelocity = 0.0\n",
+                        last = "kind = \"free\"\n" + std::string(side ? "" : at_ram),
+                        rest = side ? "[side]\nstiffness = 2.0\ndrag = 0.3\n" : "";
+      const std::string text =
+          (mirrored ? "[[bar]]\n" + pile + "[[bar]]\n" + cap + "[[bar]]\n" + ram +
+                          fmt::format(fmt::runtime(joints), 0.05, 0.1) + "[left]\nkind = \"fixed\"\n[right]\n"
+                    : "[[bar]]\n" + ram + "[[bar]]\n" + cap + "[[bar]]\n" + pile +
+                          fmt::format(fmt::runtime(joints), 0.1, 0.05) + "[right]\nkind = \"fixed\"\n[left]\n") +
+          last + rest + method_text("{}", 0.0);
+      const auto run = [&](const char* method, const char* step) {
+        std::string scene = text;
+        scene.replace(scene.find("{}"), 2, method);
+        return run_of(scene, {"time.end=2.0", std::string("method.step=") + step});
+      };
+      const Recording found = run("rigid", "1.0"), scheme = run("fully_discrete", "1e-4"),
+                      half = run("fully_discrete", "5e-5");
+      EXPECT_LT(largest_difference(half.u, found.u), 1.5 * largest_difference(half.u, scheme.u)) << at_ram << mirrored;
+      for (const std::size_t k : {0, 1}) {
+        const auto impulse = [k](const Recording& of) { return of.statistics.account->joints.at(k).impulse; };
+        EXPECT_NEAR(impulse(found), impulse(half), 2e-3) << at_ram << mirrored << k;
+      }
+      EXPECT_EQ(found.events.front().where, Where::joint);
+      EXPECT_NEAR(found.events.front().time, 0.05, 1e-3) << at_ram << mirrored;
+      EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-8) << at_ram << mirrored;
+    }
+}
+
 TEST(RigidBodies, WhatIsNotTakenIsSaid) {
   const auto complaint = [](const std::string& text, const std::string& left, const char* method) -> std::string {
     try {
@@ -143,6 +179,10 @@ TEST(RigidBodies, WhatIsNotTakenIsSaid) {
       "[[bar]]\nmass = 2.0\nvelocity = -1.0\n" + far_bar + "[[joint]]\nkind = \"contact\"\ngap = 0.5\n";
   EXPECT_NE(complaint(ram, "[left]\nkind = \"fixed\"\n", "cvode").find("leave the body out"), std::string::npos);
   EXPECT_NE(complaint(ram, "[left]\nkind = \"obstacle\"\ngap = 0.1\n", "rigid").find("use cvode"), std::string::npos);
+  const std::string body = "[[bar]]\nmass = 1.0\nvelocity = 0.0\n",
+                    joint = "[[joint]]\nkind = \"contact\"\ngap = 0.5\n";
+  EXPECT_NE(complaint(far_bar + body + body + far_bar + joint + joint + joint, "", "rigid").find("meet others, too"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -23,15 +23,15 @@ struct RandomEnd {
   bool above = false;
 };
 
-// Bars, rigid bodies between and beside them, joints and ends of all kinds. No two rigid bodies are neighbours, which
-// no mesh takes.
+// Bars, rigid bodies between and beside them, joints and ends of all kinds. Two rigid bodies are neighbours at the left
+// end alone, where nothing meets the first on its other side.
 class RandomElasticChain {
  public:
   explicit RandomElasticChain(unsigned seed, bool stops = false) : engine_(seed) {
     const int count = pick(2, 5);
     for (int k = 0; k < count; ++k) {
       RandomMember member{.velocity = number(-1.0, 1.0)};
-      const bool after_rigid = !members_.empty() && members_.back().mass > 0.0;
+      const bool after_rigid = members_.size() > 1 && members_.back().mass > 0.0;
       if (pick(0, 3) == 0 && !after_rigid && !(k + 1 == count && bars_ == 0)) {
         member.mass = number(0.2, 2.0);
       } else {
