@@ -50,14 +50,12 @@ function(build_levels_beside)
   foreach(beside IN LISTS VISCOBAR_LEVELS_BESIDE)
     set(folder ${PROJECT_BINARY_DIR}/levels/${beside})
     set(targets viscobar_cli)
-    foreach(target viscobar_mpi viscobar_python)
-      if(TARGET ${target})
-        list(APPEND targets ${target})
-      endif()
-    endforeach()
+    if(TARGET viscobar_python)
+      list(APPEND targets viscobar_python)
+    endif()
     ExternalProject_Add(viscobar_${beside} SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${folder} BUILD_ALWAYS ON USES_TERMINAL_BUILD ON
       CMAKE_ARGS -DVISCOBAR_LEVEL=${beside} -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DVISCOBAR_TESTS=OFF -DVISCOBAR_LEVELS_BESIDE_OF=${level} -DVISCOBAR_PYTHON=${VISCOBAR_PYTHON}
-                 -DVISCOBAR_MPI=${VISCOBAR_MPI} -DVISCOBAR_PYTHON_DIR=${VISCOBAR_PYTHON_DIR} -DCMAKE_INSTALL_PREFIX=${CMAKE_INSTALL_PREFIX} -DSUNDIALS_ROOT=${SUNDIALS_ROOT}
+                 -DVISCOBAR_PYTHON_DIR=${VISCOBAR_PYTHON_DIR} -DCMAKE_INSTALL_PREFIX=${CMAKE_INSTALL_PREFIX} -DSUNDIALS_ROOT=${SUNDIALS_ROOT}
       BUILD_COMMAND ${CMAKE_COMMAND} --build ${folder} --target ${targets}
       INSTALL_COMMAND "")
     foreach(program IN LISTS programs)

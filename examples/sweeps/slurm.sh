@@ -1,17 +1,18 @@
 #!/bin/bash
-# A sweep on a cluster: one rank hands out the cases and writes the rows, each of the others runs one case at a time.
+# A sweep on a cluster: a job for each part of the cases, on all cores of a machine.
 #   sbatch slurm.sh sweep.toml
-# Submitted again it goes on where the last job ended, so a time limit loses only the cases that were under way.
+# Submitted again it goes on where the last jobs ended, so a time limit loses only the cases that were under way. When all
+# have ended, `viscobar sweep sweep.toml -o sweep.out` puts their rows together, and runs what is missing.
 #SBATCH --job-name=viscobar-sweep
-#SBATCH --nodes=4
-#SBATCH --ntasks-per-node=64
-#SBATCH --cpus-per-task=1
+#SBATCH --array=1-4
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=64
 #SBATCH --time=24:00:00
-#SBATCH --signal=TERM@60
+#SBATCH --signal=B:TERM@60
 
 set -euo pipefail
 sweep=${1:?usage: sbatch slurm.sh SWEEP.toml}
 
 # Where the file system knows no locks (some Lustre mounts), HDF5 has to be told:
 # export HDF5_USE_FILE_LOCKING=FALSE
-srun viscobar sweep "$sweep" --quiet -o "$(basename "$sweep" .toml).out"
+exec viscobar sweep "$sweep" --part "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT" --quiet -o "$(basename "$sweep" .toml).out"

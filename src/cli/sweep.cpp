@@ -7,8 +7,8 @@
 #include "results/file_set.hpp"
 #include "results/result_directory.hpp"
 #include "studies/parallel.hpp"
-#include "sweep/ranks.hpp"
 #include "sweep/sweep_page.hpp"
+#include "sweep/sweep_part.hpp"
 #include "sweep/sweep_results.hpp"
 #include "sweep/sweep_workers.hpp"
 
@@ -24,8 +24,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// How far the sweep is, on the terminal, by the costs that were estimated.
 class SweepProgress {
  public:
-  SweepProgress(std::span<const double> costs, const SweepQueue& queue, std::size_t kept)
-      : costs_(costs), done_(kept), total_(queue.seconds()) {}
+  SweepProgress(std::span<const double> costs, const SweepQueue& queue, std::size_t cases)
+      : costs_(costs), cases_(cases), done_(cases - queue.size()), total_(queue.seconds()) {}
 
   void count(const SweepRow& row) {
     ++done_;
@@ -36,18 +36,18 @@ class SweepProgress {
   void show() {
     if (!progress_.due()) return;
     const std::string failed = failed_ > 0 ? fmt::format(", {} failed", failed_) : "";
-    progress_.show(fmt::format("{} of {} cases{}", done_, costs_.size(), failed), finished_ / total_);
+    progress_.show(fmt::format("{} of {} cases{}", done_, cases_, failed), finished_ / total_);
   }
 
  private:
   std::span<const double> costs_;
-  std::size_t done_, failed_ = 0;
+  std::size_t cases_, done_, failed_ = 0;
   double total_, finished_ = 0.0;
   Progress progress_;
 };
 
 struct SweepOptions {
-  std::string file, error;
+  std::string file, error, part;
   std::vector<std::string> overrides;
   bool json = false;
   OutputOptions output;
@@ -56,8 +56,18 @@ struct SweepOptions {
   explicit SweepOptions(CLI::App& command) : output(command) {}
 };
 
-nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& results, std::size_t kept,
-                                   std::size_t workers, double integration, double seconds) {
+/// What a process runs of a sweep, and where its rows are.
+struct SweepJob {
+  SweepPart part;
+  fs::path whole;            // the directory of the whole sweep
+  bool by_launcher = false;  // one of several processes that mpirun or a like started
+
+  fs::path directory() const { return part.of == 1 ? whole : whole / part.name(); }
+  std::string words() const { return part.of == 1 ? "" : fmt::format(" of part {}/{}", part.number, part.of); }
+};
+
+nlohmann::ordered_json description(const SweepFile& sweep, const SweepJob& job, const SweepResults& results,
+                                   std::size_t kept, std::size_t workers, double integration, double seconds) {
   auto keys = nlohmann::ordered_json::array(), failed = keys;
   for (const VariedKey& key : sweep.plan.keys) keys.push_back(key.key);
   for (const SweepRow* row : results.rows())
@@ -66,7 +76,8 @@ nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& r
           {"scene", sweep.scene_source},
           {"keys", keys},
           {"combine", sweep.plan.combine == Combine::zip ? "zip" : "grid"},
-          {"cases", sweep.plan.size()},
+          {"cases", job.part.count(sweep.plan.size())},
+          {"part", job.part.of == 1 ? nlohmann::ordered_json() : fmt::format("{}/{}", job.part.number, job.part.of)},
           {"done", results.size()},
           {"kept", kept},
           {"run", results.size() - kept},
@@ -76,10 +87,10 @@ nlohmann::ordered_json description(const SweepFile& sweep, const SweepResults& r
           {"wall_seconds", seconds}};
 }
 
-std::string table(const SweepFile& sweep, const SweepResults& results, std::size_t kept, const fs::path& directory,
+std::string table(const SweepFile& sweep, const SweepJob& job, const SweepResults& results, std::size_t kept,
                   double seconds) {
   std::string text = heading(sweep.title, "Sweep") + "\n";
-  text += row("cases", "{} of {}{}", results.size(), sweep.plan.size(),
+  text += row("cases", "{} of {}{}{}", results.size(), job.part.count(sweep.plan.size()), job.words(),
               kept == 0 ? "" : fmt::format(", {} of them from before", kept));
   if (const std::size_t failed = results.failed(); failed > 0) text += row("failed", "{}", failed);
   text += row("whole sweep", "{:.3g} s", seconds);
@@ -90,42 +101,35 @@ std::string table(const SweepFile& sweep, const SweepResults& results, std::size
     if (rows.size() > most_rows) text += fmt::format("  and {} more\n", rows.size() - most_rows);
     text += "\n";
   }
+  const fs::path directory = job.directory();
   text += row("page", (directory / "sweep.html").string());
   return text + row("rows", "{}, {}", (directory / "sweep.h5").string(), (directory / "sweep.csv").string());
 }
 
-int run_sweep(const SweepOptions& asked) {
+int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& job) {
   const auto started = Clock::now();
-  std::optional<Ranks> ranks;
-  if (started_by_mpi()) ranks.emplace(interrupt_asked);
-  const bool several = ranks && ranks->size() > 1;
-  if (several && !ranks->is_manager()) {
-    catch_interrupts();  // a worker hears of the end from the manager
-    return ranks->serve(), success;
-  }
-  if (several && asked.threads > 0)
-    refuse("--threads: under mpirun every rank but the first runs one case at a time; give -n");
-
-  std::vector<std::string> overrides = asked.overrides;
-  if (!asked.error.empty()) overrides.push_back("accuracy.error=" + asked.error);
-  const SweepFile sweep = read_sweep(asked.file, overrides);
-  std::vector<double> costs;
-  if (several) costs = ranks->plan(sweep);
-  // This one also says why, where no case can run.
-  if (std::all_of(costs.begin(), costs.end(), [](double cost) { return cost == 0.0; }))
-    costs = plan_cases(sweep, asked.threads);
-  const fs::path directory = asked.output.directory(asked.file);
-  catch_interrupts();
+  const fs::path directory = job.directory();
+  const bool one_of_many = job.by_launcher && job.part.of > 1, silent = asked.output.quiet || one_of_many;
+  const std::size_t threads = asked.threads > 0 ? asked.threads : one_of_many ? 1 : cores();
+  const std::vector<double> costs = plan_cases(sweep, threads, job.part);
   SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
-  SweepQueue queue(sweep, costs, results.rows());
-  const std::size_t missing = queue.size();
-  // It has the checksums of tables that are about to change.
-  if (missing > 0) fs::remove(directory / "sweep.json");
-
+  std::vector<bool> to_run = job.part.own(costs.size());
   double integration = 0.0;
+  for (const SweepRow& row : rows_beside(job.whole, sweep, job.part, warn)) {
+    if (results.has(row.index) || !to_run[row.index]) continue;
+    results.add(row);
+    integration += row.integration_seconds;
+  }
+  for (const SweepRow* row : results.rows()) to_run[row->index] = false;
+  SweepQueue queue(sweep, costs, to_run);
+  const std::size_t missing = queue.size(), cases = job.part.count(costs.size());
+  // It has the checksums of tables that are about to change.
+  if (missing > 0 || results.size() > kept) fs::remove(directory / "sweep.json");
+
   std::optional<SweepProgress> progress;
-  if (!asked.json && !asked.output.quiet && on_terminal()) progress.emplace(costs, queue, kept);
+  if (!asked.json && !asked.output.quiet && job.part.number == 1 && on_terminal())
+    progress.emplace(costs, queue, cases);
   const SweepWork work{sweep.scene_text, queue,
                        [&](const SweepRow& row) {
                          results.add(row);
@@ -137,9 +141,7 @@ int run_sweep(const SweepOptions& asked) {
                          if (progress) progress->show();
                        },
                        interrupt_asked};
-  const std::size_t threads = asked.threads > 0 ? asked.threads : cores();
-  const std::size_t workers = several ? static_cast<std::size_t>(ranks->size()) - 1 : threads;
-  const bool finished = missing == 0 || (several ? ranks->run(work) : run_on_threads(work, std::min(threads, missing)));
+  const bool finished = missing == 0 || run_on_threads(work, std::min(threads, missing));
   progress.reset();
   FileSet files(directory, "sweep");
   results.close(files.folder());
@@ -148,21 +150,45 @@ int run_sweep(const SweepOptions& asked) {
   FileChecksums checksums = results.checksums();
   checksums["sweep.html"] = Checksum::of(page);
   const std::string json =
-      sealed_summary(description(sweep, results, kept, workers, integration, seconds_since(started)), checksums);
+      sealed_summary(description(sweep, job, results, kept, threads, integration, seconds_since(started)), checksums);
   files.write("sweep.json", json);
   files.take_places();
-  if (asked.json)
+  if (!silent && asked.json)
     print(json);
-  else if (!asked.output.quiet)
-    print(table(sweep, results, kept, directory, seconds_since(started)));
+  else if (!silent)
+    print(table(sweep, job, results, kept, seconds_since(started)));
   for (const SweepRow* row : results.rows())
-    if (!row->completed) complain(fmt::format("case {}: {}", row->index, row->error));
+    if (!row->completed && !one_of_many) complain(fmt::format("case {}: {}", row->index, row->error));
   if (!finished) {
-    complain(fmt::format("interrupted with {} of {} cases done; the same command goes on", results.size(),
-                         sweep.plan.size()));
+    complain(fmt::format("interrupted with {} of {} cases{} done; the same command goes on", results.size(), cases,
+                         job.words()));
     return stopped;
   }
   return results.failed() == 0 ? success : run_failed;
+}
+
+int run_sweep(const SweepOptions& asked) {
+  std::vector<std::string> overrides = asked.overrides;
+  if (!asked.error.empty()) overrides.push_back("accuracy.error=" + asked.error);
+  SweepJob job{.part = {}, .whole = asked.output.directory(asked.file)};
+  if (!asked.part.empty()) {
+    job.part = part_of(asked.part);
+  } else if (const auto part = part_in_job()) {
+    job.part = *part;
+    job.by_launcher = part->of > 1;
+  }
+  const SweepFile sweep = read_sweep(asked.file, overrides);
+  catch_interrupts();
+  const int code = run_job(asked, sweep, job);
+  if (!job.by_launcher || code == stopped) return code;
+  // mpirun would end the other parts with one that fails. The last to end puts the rows together.
+  if (!are_whole(job.whole, job.part.of, sweep.plan)) return success;
+  job.part = {};
+  try {
+    return run_job(asked, sweep, job);
+  } catch (const DirectoryInUse&) {
+    return success;  // by another that has just ended
+  }
 }
 
 }  // namespace
@@ -177,8 +203,14 @@ Action sweep_command(CLI::App& command) {
   add_set(command, asked->overrides, "Replace a value of the scene in all cases");
   add_error(command, asked->error, "Choose what the scene leaves open so that each case keeps this error");
   add_json(command, asked->json);
+  command
+      .add_option(
+          "--part", asked->part,
+          "Run a part of the cases, 3/16 the third of sixteen, into part-3-of-16 in the directory; without it the "
+          "rows of all parts are put together, and what is missing runs")
+      ->type_name("K/N");
   add_threads(command, asked->threads,
-              "Number of simultaneous cases (default: one a core); under mpirun each rank runs one");
+              "Number of simultaneous cases (default: one a core; one for each of several processes of mpirun)");
   return [asked] { return run_sweep(*asked); };
 }
 

@@ -75,10 +75,13 @@ bool holds_whole_run(const fs::path& directory) {
   return has_result(directory, files_of_kind(ResultKind::run)) && completed(directory / "summary.json");
 }
 
-/// Remains of a command that was killed before it had a summary.
+/// Remains of a command that was killed before it had a summary, or parts of a sweep.
 bool begun(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
   if (name == DirectoryLock::file_name || FileSet::is_folder(name)) return true;
+  if (name.starts_with("part-") && type(entry.path()) == fs::file_type::directory)
+    return has_result(entry.path(), files_of_kind(ResultKind::sweep)) ||
+           std::all_of(fs::directory_iterator(entry.path()), fs::directory_iterator(), begun);
   return std::ranges::any_of(all_files(), [&](const Files& files) {
     const auto part_of = [&](std::string_view file) { return name == fmt::format("{}.part", file); };
     return part_of(files.summary) || std::ranges::any_of(files.others, part_of);

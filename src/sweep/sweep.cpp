@@ -102,6 +102,25 @@ double SweepRow::column(std::size_t k) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string SweepPart::name() const { return fmt::format("part-{}-of-{}", number, of); }
+
+std::vector<bool> SweepPart::own(std::size_t cases) const {
+  // Vigna's splitmix64 takes no two numbers to one.
+  const auto shuffled = [](std::uint64_t i) {
+    i += 0x9e3779b97f4a7c15;
+    i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9;
+    i = (i ^ (i >> 27)) * 0x94d049bb133111eb;
+    return i ^ (i >> 31);
+  };
+  std::vector<bool> all(cases, of == 1);
+  if (of == 1) return all;
+  std::vector<std::size_t> pack(cases);
+  std::iota(pack.begin(), pack.end(), std::size_t{0});
+  std::ranges::sort(pack, {}, shuffled);
+  for (std::size_t k = number - 1; k < cases; k += of) all[pack[k]] = true;
+  return all;
+}
+
 std::vector<std::size_t> dispatch_order(std::span<const double> costs) {
   std::vector<std::size_t> order(costs.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -242,24 +242,21 @@ SweepCase case_of(const SweepFile& sweep, std::size_t index) {
   return one;
 }
 
-double planned_seconds(const std::string& scene_text, const SweepCase& one) {
-  try {
-    return cost_of(scene_text, "scene", one);
-  } catch (const SceneError&) {
-    return 0.0;
-  }
-}
-
-std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads) {
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads, const SweepPart& part) {
   std::vector<double> costs(sweep.plan.size(), 0.0);
-  std::vector<std::vector<Diagnostic>> refused(costs.size());
+  const std::vector<bool> own = part.own(costs.size());
+  std::vector<std::size_t> cases;
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    if (own[i]) cases.push_back(i);
+  std::vector<std::vector<Diagnostic>> refused(cases.size());
   parallel_for(
-      costs.size(),
-      [&](std::size_t i) {
+      cases.size(),
+      [&](std::size_t k) {
+        const std::size_t i = cases[k];
         try {
           costs[i] = cost_of(sweep.scene_text, sweep.scene_source, case_of(sweep, i));
         } catch (const SceneError& error) {
-          refused[i] = error.diagnostics;
+          refused[k] = error.diagnostics;
         }
       },
       threads);

@@ -4,12 +4,10 @@
 
 namespace viscobar {
 
-SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished)
+SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, const std::vector<bool>& to_run)
     : sweep_(sweep), costs_(costs) {
-  std::vector<bool> done(costs.size());
-  for (const SweepRow* row : finished) done[row->index] = true;
   for (const std::size_t i : dispatch_order(costs))
-    if (!done[i]) left_.push_back(i);
+    if (to_run.empty() || to_run[i]) left_.push_back(i);
 }
 
 std::optional<SweepCase> SweepQueue::take() {

@@ -4,16 +4,17 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
 
-/// Hands out the cases of a sweep that have no row yet, the dearest first.
+/// Hands out cases of a sweep, the dearest first.
 class SweepQueue {
  public:
-  /// `costs` of all cases; `finished` are rows from before.
-  SweepQueue(const SweepFile& sweep, std::span<const double> costs, std::span<const SweepRow* const> finished = {});
+  /// `costs` of all cases; `to_run` says which of them; empty: all.
+  SweepQueue(const SweepFile& sweep, std::span<const double> costs, const std::vector<bool>& to_run = {});
 
   /// To run now; absent: none is left.
   std::optional<SweepCase> take();

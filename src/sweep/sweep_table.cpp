@@ -106,11 +106,11 @@ std::string_view in_memory(const auto& value) { return {reinterpret_cast<const c
 
 }  // namespace
 
-SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity)
+SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::string& identity, Access access)
     : path_(file), plan_(plan), identity_(Checksum::of(identity)) {
   begin_hdf5();
   fields_ = row_fields(plan);
-  if (!fs::exists(path_)) create(identity);
+  if (access == Access::write && !fs::exists(path_)) create(identity);
   const std::optional<SweepFrame> frame = SweepFrame::read(path_);
   if (!frame)
     throw std::invalid_argument(
@@ -118,9 +118,9 @@ SweepTable::SweepTable(const fs::path& file, const SweepPlan& plan, const std::s
         " is of a version that made no checksums, so that its rows cannot be trusted; nothing was "
         "overwritten, choose another directory");
   // Rows go to the file at once: nothing is collected on the way.
-  const Hdf5Properties access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_sieve_buf_size(access.get(), 0);
-  file_ = hdf5_file(path_, H5F_ACC_RDWR, access.get());
+  const Hdf5Properties at_once(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_sieve_buf_size(at_once.get(), 0);
+  file_ = hdf5_file(path_, access == Access::write ? H5F_ACC_RDWR : H5F_ACC_RDONLY, at_once.get());
   if (text_in(path_, open_dataset(path_, file_, "identity")) != identity)
     throw std::invalid_argument(path_.string() +
                                 " holds the rows of another sweep: the scene, its settings, the varied values or the "

@@ -33,10 +33,12 @@ struct TableField {
 /// (SweepFrame). @throws IoError
 class SweepTable {
  public:
-  /// Opens the table in a directory, or makes it.
+  enum class Access { write, read };
+  /// Opens the table in a directory; to write it, makes it where there is none.
   /// @throws std::invalid_argument when the one that is there is of another sweep, or of a version without checksums
   /// @throws IoError when it is damaged beside its rows
-  SweepTable(const std::filesystem::path& file, const SweepPlan& plan, const std::string& identity);
+  SweepTable(const std::filesystem::path& file, const SweepPlan& plan, const std::string& identity,
+             Access access = Access::write);
 
   /// The rows that are there, but for damaged ones: marked as done, and not what was written.
   std::vector<SweepRow> read() const;

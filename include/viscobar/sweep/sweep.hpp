@@ -175,12 +175,20 @@ struct SweepCase {
 /// 0 <= index < sweep.plan.size()
 SweepCase case_of(const SweepFile& sweep, std::size_t index);
 
-/// Estimated seconds of a case of the scene in `scene_text`; 0 when it is refused.
-double planned_seconds(const std::string& scene_text, const SweepCase& one);
+/// One of several parts of a sweep, which different machines run. Its cases are every `of`-th of a pack that is always
+/// shuffled alike, so that all parts cost about the same, whatever the grid.
+struct SweepPart {
+  std::size_t number = 1;  ///< from 1
+  std::size_t of = 1;      ///< number of parts
 
-/// Reads every case (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
+  std::string name() const;                                                          ///< "part-3-of-16"
+  std::vector<bool> own(std::size_t cases) const;                                    ///< true for each case that it has
+  std::size_t count(std::size_t cases) const { return (cases + of - number) / of; }  ///< of those
+};
+
+/// Reads every case of a part (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
 /// @throws SceneError when all are refused, with all reasons
-std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0);
+std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0, const SweepPart& part = {});
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
 /// integrator's words. `interrupted` is asked after each step: there is no row when it says yes.
