@@ -269,9 +269,10 @@ void check_chain(const Setup& setup, Findings& findings) {
       continue;
     }
     if (method == MethodName::rigid && !has_row_at_joint(scene, k))
-      findings.report(joint_key(k + 1, "kind"),
-                      "is between two rigid bodies that meet others, too, which rigid does not take yet; use cvode with a "
-                      "contact.epsilon, or fully_discrete");
+      findings.report(
+          joint_key(k + 1, "kind"),
+          "is between two rigid bodies that meet others, too, which rigid does not take yet; use cvode with a "
+          "contact.epsilon, or fully_discrete");
   }
   check_members(run, findings);
 }
