@@ -17,13 +17,15 @@ namespace {
 
 using namespace precision;
 
-/// Errors are taken at the ends of equal parts of the run, whatever its output times are: of so many as an impact on a
-/// stiff penalty asks for, or as the fields leave memory for.
+/// Errors are taken at the ends of equal parts of the run, whatever its output times are: those at which an estimate of
+/// a run looks, and up to seven between, for an impact on a stiff penalty is short; fewer where fields would fill the
+/// memory.
 double error_interval(const Case& scene, const std::vector<Mesh>& meshes) {
-  constexpr double most_times = 2000.0, most_entries = 4e6;
+  constexpr double most_times = 16'000.0;  // of one node
   std::size_t nodes = 0;
   for (const Mesh& mesh : meshes) nodes = std::max(nodes, mesh.nodes());
-  return scene.end / std::floor(std::clamp(most_entries / static_cast<double>(nodes), 50.0, most_times));
+  const auto parts = static_cast<double>(accuracy::times_of_errors(scene.end).size() - 1);
+  return scene.end / (parts * std::clamp(std::floor(most_times / static_cast<double>(nodes)), 1.0, 8.0));
 }
 
 std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, const std::vector<std::size_t>& counts,
