@@ -113,6 +113,7 @@ int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& j
   const bool one_of_many = job.by_launcher && job.part.of > 1, silent = asked.output.quiet || one_of_many;
   const std::size_t threads = asked.threads > 0 ? asked.threads : one_of_many ? 1 : cores();
   const std::vector<double> costs = plan_cases(sweep, threads, job.part);
+  catch_interrupts();
   SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
   std::vector<bool> to_run = job.part.own(costs.size());
@@ -179,7 +180,6 @@ int run_sweep(const SweepOptions& asked) {
     job.by_launcher = part->of > 1;
   }
   const SweepFile sweep = read_sweep(asked.file, overrides);
-  catch_interrupts();
   const int code = run_job(asked, sweep, job);
   if (!job.by_launcher || code == stopped) return code;
   // mpirun would end the other parts with one that fails. The last to end puts the rows together.
