@@ -60,7 +60,7 @@ plot::Axis time_axis(const ThinnedField& field, const Units& units) {
 
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours_of_field,
                         std::string_view symbol) {
-  const std::size_t width = pixels_of(field.rows(), 200, 480), height = pixels_of(field.x().size(), 150, 300);
+  const std::size_t width = pixels_of(field.rows(), 200, 480), height = pixels_of(field.x().size(), 100, 300);
   constexpr int colours = 255, touching = 255;
   const auto& [map, values, range, contact_up_to, contact_from] = colours_of_field;
   std::array<plot::Colour, 256> palette{};
