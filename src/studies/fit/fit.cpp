@@ -164,7 +164,9 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     const FittedParameter& parameter = study.parameters[k];
     const double range = parameter.high - parameter.low;
     scale(k) = best.at(k) != 0.0 ? std::abs(best.at(k)) : std::isfinite(range) ? range : 1.0;
-    const bool bound = leaves(parameter, best.at(k), -gradient(k));
+    // Or the model jumps right behind it: data do not tell a parameter to a part in 1e9.
+    const bool bound = leaves(parameter, best.at(k), -gradient(k)) ||
+                       (on_bound(parameter, best.at(k)) && 1e-9 * scale(k) * misfit.jacobian.col(k).norm() > 1.0);
     result.parameters.push_back({parameter.key, best.at(k), none, bound});
     if (!bound) free.push_back(k);
   }
@@ -395,7 +397,8 @@ FitResult fit(const FitStudy& study) {
     found.push_back(search.minimum_from(start, first, most));
     result.sums.push_back(found.back().misfit.sound ? found.back().misfit.sum()
                                                     : std::numeric_limits<double>::quiet_NaN());
-    if (found.back().misfit.sum() < found[best].misfit.sum()) best = found.size() - 1;
+    const double gained = found[best].misfit.sum() - found.back().misfit.sum();
+    if (gained > 0.0 || (gained == 0.0 && found.back().converged)) best = found.size() - 1;
     return is_explained(study, found[best].misfit) && !runs_away(study, found[best].at, found[best].misfit);
   };
   Eigen::VectorXd given(study.parameters.size());

@@ -58,6 +58,10 @@ struct Minimum {
   Compared compared = Compared::samples;
 };
 
+/// True if a parameter has come to one of its bounds.
+inline bool on_bound(const FittedParameter& parameter, double value) {
+  return value <= parameter.low || value >= parameter.high;
+}
 /// True if a step leaves the bounds.
 bool leaves(const FittedParameter& parameter, double value, double step);
 
