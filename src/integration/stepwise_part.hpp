@@ -194,11 +194,13 @@ class StepwisePart {
       settled.push_back(i);
       if (system_.collides(i)) system_.set_closed(i, false);
     }
+    bool struck = false;
     for (const std::size_t i : settled) {
       if (system_.collides(i) && system_.contact(i).sign * system_.contact(i).of(w()) > 0.0) continue;
       starts_in_contact_ = true;
       differentiate_closing(t, i, start, approach);
-      const double velocity = system_.contact(i).of(approach);
+      const double velocity = struck ? system_.contact(i).of(w()) : system_.contact(i).of(approach);
+      struck = struck || system_.collides(i);
       if (system_.collides(i))
         strike(t, i, velocity);
       else
