@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <variant>
 
 #include "characteristics/run.hpp"
+#include "scene/times.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
 
 namespace viscobar {
@@ -111,7 +111,7 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
        {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {
     if (!input->motion || !input->motion->breaks) continue;
     const EndMotion& motion = *input->motion;
-    const double apart = 64.0 * std::numeric_limits<double>::epsilon() * end;
+    const double apart = rounding_of_times(0.0, end);
     for (auto at = motion.breaks(0.0, end); at; at = motion.breaks(*at + apart, end)) {
       const double before = motion.displacement(*at - apart), after = motion.displacement(*at + apart);
       const double rates = std::abs(motion.velocity(*at - apart)) + std::abs(motion.velocity(*at + apart));

@@ -8,6 +8,7 @@
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
 #include "dynamics/pieces.hpp"
+#include "scene/times.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
@@ -68,7 +69,7 @@ double LoadVector::next_break(double after, double until) {
 
 double LoadVector::enter(double t, double end) {
   if (next_.empty()) return end;
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  const double rounding = rounding_of_times(t, end);
   double next = next_break(t - rounding, end + rounding);
   if (next <= t + rounding) {
     first_ = t + rounding;
@@ -84,7 +85,7 @@ bool LoadVector::breaks_within(double from, double to) const {
 }
 
 bool LoadVector::jump(double t, double end, double apart, std::span<double> force, std::span<double> rate) {
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  const double rounding = rounding_of_times(t, end);
   if (!breaks_within(t - rounding, t + rounding)) return false;
   const std::pair kept(first_, last_);
   first_ = -std::numeric_limits<double>::infinity(), last_ = -first_;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "dynamics/finite_load.hpp"
+#include "scene/times.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 // BarSystem in a frame that moves with the walls of its ends, or with the obstacles that they have met.
@@ -119,7 +119,7 @@ double jump_of(double early, double late, double rate_before, double rate_after,
 
 // The nearest times on both sides at which a function has its one-sided limits.
 std::pair<double, double> sides_of(double t, double end) {
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end));
+  const double rounding = rounding_of_times(t, end);
   return {t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, t + rounding};
 }
 

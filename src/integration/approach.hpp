@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "dynamics/obstacle_motion.hpp"
+#include "scene/times.hpp"
 
 namespace viscobar {
 
@@ -32,7 +32,7 @@ bool may_reach(Function&& f, double floor, double a, double b, int halvings = 12
 /// between the breaks and pulses of a motion that f has, what is shorter.
 template <class Function>
 bool may_reach_within(double whole, Function&& f, const NextBreak& next, double floor, double a, double b) {
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+  const double rounding = rounding_of_times(a, b);
   for (double to = b; a < b; a = to) {
     to = next ? next(a + rounding, b).value_or(b) : b;
     const double pieces = std::max(1.0, std::ceil(64.0 * (to - a) / whole));

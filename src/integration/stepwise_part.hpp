@@ -24,6 +24,7 @@
 #include "run/notifier.hpp"
 #include "run/parts.hpp"
 #include "run/watchdog.hpp"
+#include "scene/times.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -102,7 +103,7 @@ class StepwisePart {
         stepper_.changes_at(y_);
         switch_contacts(t, step_begin, reached);
         // The rest after a change at the very end is no leg.
-        if (end - t <= 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), std::abs(end))) break;
+        if (end - t <= rounding_of_times(t, end)) break;
       } else if (t >= leg_end_) {
         reach(t);
       }
@@ -236,7 +237,7 @@ class StepwisePart {
   Checkpoint follow(double t) {
     reach(t);
     system_.complete_velocity(t, u(), w());
-    const double after = t + 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(t), times_.back());
+    const double after = t + rounding_of_times(t, times_.back());
     if (sensitivities_) sensitivities_->leave_frame(t, after, y_);
     const double gained = system_.change_frame(system_.bar().following(), after, u(), w());
     if (layout_.work)

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "run/archive.hpp"
+#include "scene/times.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -159,7 +160,7 @@ class CheckpointSchedule {
       : checkpoints_(observers.checkpoints ? &*observers.checkpoints : nullptr) {
     if (!checkpoints_ || !checkpoints_->every) return;
     const double every = *checkpoints_->every, start = times.front(), end = times.back();
-    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(start), std::abs(end));
+    const double rounding = rounding_of_times(start, end);
     if (!(every > rounding))
       throw std::invalid_argument("the time between checkpoints must be positive and not lost in rounding");
     // k every, never a sum; what is left after a checkpoint at the very end would be no leg.

@@ -13,6 +13,7 @@
 #include "dynamics/obstacle_motion.hpp"
 #include "run/notifier.hpp"
 #include "run/parts.hpp"
+#include "scene/times.hpp"
 #include "schemes/settled_start.hpp"
 #include "schemes/time_step.hpp"
 
@@ -258,7 +259,7 @@ class Run {
       if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
       const NextBreak& next = breaks_of_gap(system_, contact);
       const double until = t + scheme_.step * (1.0 + 1e-9);
-      const double apart = 64.0 * std::numeric_limits<double>::epsilon() * times_.back();
+      const double apart = rounding_of_times(0.0, times_.back());
       for (auto at = next(t, until); at; at = next(*at + apart, until)) {
         const double jump = system_.gap_jump(contact, *at, times_.back());
         if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, *at + apart) < 0.0)
