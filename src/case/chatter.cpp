@@ -13,8 +13,10 @@ ChatterWatch::ChatterWatch(const BarSystem& system)
     : window_(2.0 * system.mesh().length * std::sqrt(system.bar().density / system.bar().modulus)) {
   std::vector<double> sides(system.size(), 0.0);
   for (const Contact& contact : system.contacts()) {
-    auto& bursts = contact.where == Where::span ? span_ : ends_;
-    bursts.resize(2 * system.mesh().nodes());
+    if (contact.joint > 0)
+      joints_.resize(2 * (contact.joint + 1));
+    else
+      (contact.where == Where::span ? span_ : ends_).resize(2 * system.mesh().nodes());
     between_ = between_ || sides[contact.unknown] * contact.sign < 0.0;
     sides[contact.unknown] = contact.sign;
   }
@@ -23,10 +25,12 @@ ChatterWatch::ChatterWatch(const BarSystem& system)
 std::optional<ChatterWatch::Chatter> ChatterWatch::heard(const Event& event) {
   if (told_ || event.change == Change::opening) return std::nullopt;
   const std::size_t up = between_ && event.velocity > 0.0 ? 1 : 0;
-  if (between_)
+  if (between_ && event.where != Where::joint)
     for (auto* bursts : {&ends_, &span_})
       if (!bursts->empty()) (*bursts)[2 * event.node + 1 - up] = {};
-  Burst& burst = (event.where == Where::span ? span_ : ends_)[2 * event.node + up];
+  Burst& burst = (event.where == Where::span    ? span_
+                  : event.where == Where::joint ? joints_
+                                                : ends_)[2 * event.node + up];
   if (burst.closings == 0 || event.time - burst.since > window_) burst = {event.time, 0};
   if (++burst.closings < closings) return std::nullopt;
   told_ = true;

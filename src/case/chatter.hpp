@@ -36,7 +36,7 @@ class ChatterWatch {
   std::optional<Chatter> heard(const Event& event);
 
   /// Members that a checkpoint holds.
-  static void members(auto& watch, auto&& each) { each(watch.ends_, watch.span_, watch.told_); }
+  static void members(auto& watch, auto&& each) { each(watch.ends_, watch.span_, watch.joints_, watch.told_); }
 
  private:
   struct Burst {
@@ -47,9 +47,10 @@ class ChatterWatch {
   };
 
   double window_;
-  bool between_ = false;            // two obstacles that hold a node from both sides
-  std::vector<Burst> ends_, span_;  // of the ends and of the span obstacle, where there are any: two for each mesh
-                                    // node, the second of closings upwards where there are obstacles on both sides
+  bool between_ = false;  // two obstacles that hold a node from both sides
+  // Of the ends and of the span obstacle, where there are any: two for each mesh node, the second of closings upwards
+  // where there are obstacles on both sides. Of joints two for each number.
+  std::vector<Burst> ends_, span_, joints_;
   bool told_ = false;
 };
 

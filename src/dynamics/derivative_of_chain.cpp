@@ -127,20 +127,23 @@ void Derivative::find_start(const Direction& direction, std::span<const Piece> p
   const State& initial = bar.initial_state();
   Scene start = direction.data;
   start.left_input = start.right_input = {};
+  const Lift frame = bar.moving() ? bar.lift(0.0, 1) : Lift{};
   bool changes = false, by_moments = false;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Piece& piece = pieces[p];
     const Member& rates = direction.members[p];
     const double growth = piece.rigid() ? rates.mass / piece.mass
                                         : rates.bar.density / piece.bar.density + rates.bar.length / piece.bar.length;
-    start.chain[p].velocity = [growth, own = rates.velocity](double x) {
-      return growth == 0.0 ? 0.0 : growth * own(x);
+    start.chain[p].velocity = [growth, own = rates.velocity, frame, begin = piece.begin,
+                               length = bar.mesh().length](double x) {
+      return growth == 0.0 ? 0.0 : growth * (own(x) - frame.at((begin + x) / length));
     };
     changes |= growth != 0.0;
     for (std::size_t j = p > 0 && pieces[p - 1].last() == piece.first ? 1 : 0; j < piece.mesh.nodes() && rates.velocity;
          ++j)
       if (const std::size_t i = piece.first + j - bar.first_node(); i < initial.v.size())
-        by_moments |= initial.v[i] != rates.velocity(piece.mesh.node(j));
+        by_moments |=
+            initial.v[i] != rates.velocity(piece.mesh.node(j)) - (bar.moving() ? frame.at(bar.share(i)) : 0.0);
   }
   if (!changes || !by_moments) return;
   const BarSystem without_masses(start, bar.mesh(), bar.mass());

@@ -192,6 +192,16 @@ PenalisedSystem::IndicatorWeights PenalisedSystem::indicator_weights(std::size_t
   return weights;
 }
 
+double PenalisedSystem::lightest_body(std::size_t i) const {
+  if (contact(i).joint == 0) return 0.0;
+  const std::size_t b = contact(i).unknown, right = b + bar_.first_node();
+  double least = 0.0;
+  for (const auto& [unknown, element] : {std::pair{b, right}, {b - 1, right - 2}})
+    if (const double mass = bar_.inertia().diagonal[unknown]; !bar_.is_element_of_bar(element))
+      least = least > 0.0 ? std::min(least, mass) : mass;
+  return least;
+}
+
 bool PenalisedSystem::is_of_bar(std::size_t i) const {
   const std::size_t right = contact(i).unknown + bar_.first_node();
   return bar_.is_element_of_bar(right) || (right > 1 && bar_.is_element_of_bar(right - 2));
@@ -382,20 +392,56 @@ void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, s
   if (bar_.moving()) bar_.add_lift(lift(t, 2), nodal);
 }
 
+// The impulse on the bar of closed contact i, which collides(), for a change of the velocities.
+double PenalisedSystem::held_impulse(std::size_t i, std::span<const double> change) const {
+  if (contact(i).joint > 0) {
+    const JointRow row = joint_row(i);
+    return row.sign * (row.inertia[0] * change[row.node] + row.inertia[1] * change[row.next] +
+                       row.inertia[2] * change[row.beyond]);
+  }
+  const std::size_t node = contact(i).unknown;
+  const auto inertia = inertia_beside(node);
+  double sum = inertia[0] * change[neighbour(node)];
+  if (inertia[1] != 0.0) sum += inertia[1] * change[node == 0 ? 2 : node - 2];
+  return contact(i).sign * sum;
+}
+
+// (rho M)^{-1} d_i, closed contacts elsewhere holding their nodes. Those that it would pull by more than a negligible
+// part of it are opened, and added.
+std::vector<double> PenalisedSystem::answer_of(std::size_t i, double negligible, std::vector<std::size_t>& released) {
+  const std::size_t node = contact(i).unknown;
+  std::vector<double> answer(size());
+  for (;;) {
+    std::ranges::fill(answer, 0.0);
+    answer[node] = contact(i).sign;
+    if (contact(i).joint > 0) answer[node - 1] = -1.0;
+    accelerate(answer);
+    double most = negligible;
+    std::optional<std::size_t> pulled;
+    for (std::size_t k = 0; k < laws_.size(); ++k) {
+      if (k == i || !closed(k) || !collides(k)) continue;
+      if (const double pull = -held_impulse(k, answer); pull > most) most = pull, pulled = k;
+    }
+    if (!pulled) return answer;
+    set_closed(*pulled, false);
+    released.push_back(*pulled);
+  }
+}
+
 PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std::span<const double> u,
                                                     std::span<double> w, const Negligible& negligible) {
   const std::size_t node = contact(i).unknown;
-  std::vector<double> answer(size(), 0.0), acceleration(size());
-  answer[node] = 1.0;
+  std::vector<std::size_t> released;
   const bool of_joint = contact(i).joint > 0;
-  if (of_joint) answer[node - 1] = -1.0;
-  accelerate(answer);
   const double sign = contact(i).sign, came = contact(i).of(w);
-  const double mass = 1.0 / contact(i).of(answer), speed = -sign * came,
+  const std::vector<double> answer =
+      answer_of(i, came == 0.0 ? 1.0 : std::max(1e-12, negligible.velocity / std::abs(came)), released);
+  std::vector<double> acceleration(size());
+  const double mass = sign / contact(i).of(answer), speed = -sign * came,
                kinetic = 0.5 * bar_.inertia().quadratic_form(w);
   const auto leave_with = [&](double velocity) {
     const double impulse = mass * (velocity - contact(i).of(w));
-    for (std::size_t j = 0; j < size(); ++j) w[j] += impulse * answer[j];
+    for (std::size_t j = 0; j < size(); ++j) w[j] += sign * impulse * answer[j];
     w[node] = of_joint ? w[node - 1] + velocity : velocity;
   };
   leave_with(0.0);
@@ -414,8 +460,12 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
     if (!rests) leave_with(sign * rebound);
   }
   const double left = contact(i).of(w), dissipated = 0.5 * mass * (speed - left) * (speed + left);
-  return {rests, dissipated, kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
-          mass * (left + sign * speed), height};
+  return {rests,
+          dissipated,
+          kinetic - 0.5 * bar_.inertia().quadratic_form(w) - dissipated,
+          mass * (left + sign * speed),
+          height,
+          std::move(released)};
 }
 
 void PenalisedSystem::tie_joints(std::span<double> w) const {

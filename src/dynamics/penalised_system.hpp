@@ -137,6 +137,8 @@ class PenalisedSystem {
   /// True if the law alone tells the force of contact i, and no row: that of a rigid body without a bar, beside another
   /// contact; of a penalty also where no other one meets the body.
   bool by_law(std::size_t i) const { return by_law_[i] != 0; }
+  /// The smaller mass of rigid bodies alone that contact i, at a joint, has; 0 where both nodes are of bars.
+  double lightest_body(std::size_t i) const;
   /// True if one of the two nodes of contact i, at a joint, is the end of a bar: else both are rigid bodies.
   bool is_of_bar(std::size_t i) const;
   /// True if the node of closed contact i rests on a stiff spring, kappa > 1e4, after so long without a contact change:
@@ -149,23 +151,26 @@ class PenalisedSystem {
 
   /// Result of an impact.
   struct Collision {
-    bool rests;          ///< the contact stays closed
-    double dissipated;   ///< of the energy
-    double end_inertia;  ///< energy that the end rows of the mass took
-    double impulse;      ///< P, on the bar
-    double height;       ///< H of a rebound onto which the bar is pressed, else 0
+    bool rests;                         ///< the contact stays closed
+    double dissipated;                  ///< of the energy
+    double end_inertia;                 ///< energy that the end rows of the mass took
+    double impulse;                     ///< P, on the bar
+    double height;                      ///< H of a rebound onto which the bar is pressed, else 0
+    std::vector<std::size_t> released;  ///< closed contacts that the impact would have pulled, open now
   };
-  /// Negligible sizes of a displacement, and of (h/E) times a reaction.
+  /// Negligible sizes of a displacement, of (h/E) times a reaction, and of a velocity.
   struct Negligible {
     double displacement;  ///< of the node, the height of a bounce
     double reaction;      ///< times h/E, a displacement
+    double velocity;      ///< with which contacts that an impact pulls would part
   };
   /// The impact of open contact i, which collides(), its node being at the obstacle with velocity s w_i <= 0, here for
   /// s = 1:
   ///
   ///     rho M (w+ - w) = P e_i,    w+_i = -e w_i,    P = -(1 + e) w_i / (e_i . (rho M)^{-1} e_i),
   ///
-  /// closed contacts elsewhere holding their nodes. A node that is already below the surface by d leaves with e (w_i^2
+  /// closed contacts elsewhere holding their nodes as far as they push. A node that is already below the surface by d
+  /// leaves with e (w_i^2
   /// - 2 A d)^(1/2), A being what the bar presses it on with. It takes (1 - e^2) m w_i^2 / 2, m the mass in that
   /// quotient. With e = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the
   /// bounces to come are negligible: it would rise by H = (e w_i)^2 / (2 A) and rest after 2 e |w_i| / (A (1 - e)). It
@@ -387,6 +392,8 @@ class PenalisedSystem {
   bool is_met_elsewhere(std::size_t i, std::size_t unknown) const;
   void add_joint_weights(std::size_t i, IndicatorWeights& weights) const;
   double joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const;
+  double held_impulse(std::size_t i, std::span<const double> change) const;
+  std::vector<double> answer_of(std::size_t i, double negligible, std::vector<std::size_t>& released);
   bool has_one_sided() const { return !bar_.inertia().one_sided.empty(); }
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;

@@ -244,10 +244,15 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
+  if (const double mass = system_.lightest_body(i); mass > 0.0) {
+    pull.way_of_body += (pull.of_body + 0.5 * force / mass * time) * time;
+    pull.of_body += force / mass * time;
+  }
   pull.since = std::min(pull.since, from);
   pull.until = against.back() < 0.0 ? end : -std::numeric_limits<double>::infinity();
   const bool counts = pull.velocity > weights.velocity_tolerance() ||
-                      pull.distance > weights.displacement_tolerance() ||
+                      pull.distance > weights.displacement_tolerance() || pull.of_body > weights.velocity_tolerance() ||
+                      pull.way_of_body > weights.displacement_tolerance() ||
                       (impedance > 0.0 && Bernstein::through(against).first_descent(-noticed(i, h)));
   if (!counts) return std::nullopt;
   pull.velocity -= gained;

@@ -125,10 +125,11 @@ class EventSearch {
   }
   // against() on the way from `from` to `end`, at equidistant points.
   std::span<const double> against_between(std::size_t i, double from, double end);
-  // Pull of a closed contact that opens by its row: its beginning, how far it is known, and what the bar and its
-  // node have missed.
+  // Pull of a closed contact that opens by its row: its beginning, how far it is known, and what the bar, its node and
+  // a rigid body at it have missed.
   struct Pull {
     double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
+    double of_body = 0.0, way_of_body = 0.0;
   };
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);

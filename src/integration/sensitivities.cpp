@@ -185,7 +185,9 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     const double fall = by_push ? derivative.push_rate(i, at, s.u(), s.w())
                         : held  ? derivative.opening_reaction(i, at, s.u(), s.w())
                                 : derivative.motion().clearance(i, s.u());
-    shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
+    // A reaction that is nothing from another contact's opening on, as of two forces on one body, ends with that.
+    const bool follows = fall == 0.0 && held && graze && t == last_change_.first && i != last_change_.second;
+    shifts_[k] = follows ? shifts_[k] : fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)
       changes[k] = {shifts_[k], contact.of(s.w()) + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
@@ -221,6 +223,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
 }
 
 void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const {
+  if (lost()) return;
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity =
         -restitution_ * changes[k].velocity - directions_[k].restitution * system_.contact(i).of(old_velocity_);

@@ -87,6 +87,9 @@ class Sensitivities {
   /// Brings the account up to date.
   void sum_up(double t, std::span<double> y);
 
+  /// There are no derivatives from t on.
+  void lose(double t, std::string why, std::span<double> y);
+
  private:
   using Block = Layout::Block<double>;
   struct Field {
@@ -94,7 +97,6 @@ class Sensitivities {
   };
   std::span<Derivative* const> derive(const Penalty& penalty);
   bool lost() const { return account_->lost.has_value(); }
-  void lose(double t, std::string why, std::span<double> y);
   Moment look_at(double t, std::span<const double> u, std::span<const double> w);
   // use(k, derivative k, its block of y)
   void each(std::span<double> y, auto&& use) {

@@ -493,8 +493,8 @@ class StepwisePart {
     ErrorWeights& weights = stepper_.weights();
     const double h = system_.bar().stretch_at(system_.contact(i).unknown);
     std::vector<double> change(w().begin(), w().end());
-    const PenalisedSystem::Collision collision =
-        system_.collide(i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h)});
+    const PenalisedSystem::Collision collision = system_.collide(
+        i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h), weights.promised_velocity()});
     weights.bounce(i, collision.height);
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
@@ -511,6 +511,10 @@ class StepwisePart {
     for (std::size_t j = 0; j < change.size(); ++j) change[j] = w()[j] - change[j];
     if (ends_) ends_->strike(i, collision.impulse, change);
     if (sensitivities_) sensitivities_->rebound(i, changes_);
+    for (const std::size_t k : collision.released) {
+      if (sensitivities_) sensitivities_->lose(t, "an impact opens another contact", y_);
+      tell_event(t, k, Change::opening, system_.contact(k).of(w()));
+    }
     if (collision.rests)
       system_.set_closed(i, true);
     else if (counts)

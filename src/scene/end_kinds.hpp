@@ -97,6 +97,13 @@ inline std::size_t bare_obstacles(const Scene& scene) {
          std::size_t{is_bare_obstacle(scene.right, scene.right_input)};
 }
 
+/// True if something keeps its restitution on every mesh: a mass on an end over an obstacle, or a rigid body. That of a
+/// node goes with its mass.
+inline bool keeps_restitution(const Scene& scene) {
+  return (is_obstacle(scene.left) && scene.left_input.mass > 0.0) ||
+         (is_obstacle(scene.right) && scene.right_input.mass > 0.0) || std::ranges::any_of(scene.chain, &Member::rigid);
+}
+
 /// True if an obstacle at an end has no law of its own.
 inline bool has_end_penalty(const Scene& scene) {
   return (is_obstacle(scene.left) && !scene.left_input.stop) || (is_obstacle(scene.right) && !scene.right_input.stop);

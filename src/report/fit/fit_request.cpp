@@ -126,6 +126,9 @@ PreparedFit prepared_fit(const FitRequest& request,
                        std::ranges::any_of(study.traces, is_of_gauge, &MeasuredTrace::column));
   study.starts = request.starts;
   study.most_runs = request.most_runs;
+  for (const std::string& key : request.parameters)
+    if (std::ranges::count(request.parameters, key) > 1)
+      throw std::invalid_argument(fmt::format("--parameters: {} is named twice", key));
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
     const bool by_differences = member_key("bar", key) && key.ends_with(".length");  // beside a load

@@ -88,14 +88,16 @@ Case finer(Case run) {
 
 // How far the model's own error moves the parameters, counted in `scale`: what a finer run changes its values by, twice
 // for an error of order one, taken for data that are wrong by so much.
-Eigen::VectorXd model_error(const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
+Eigen::VectorXd model_error(Search& search, const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
                             const Eigen::MatrixXd& inverse, FitResult& result) {
   try {
     const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
     if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
     ++result.runs;
-    const Misfit fine = measure(study, run, best.compared, false, 1000 + 200 * best.misfit.steps);
-    return 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();
+    // A finer run has contact changes on the other side of a sample, which is no error of so much.
+    const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
+    const Misfit coarse = best.compared == Compared::exact ? search.at(best.at, Compared::samples, false) : best.misfit;
+    return 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
@@ -121,23 +123,36 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
   return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 
-// How many times as long as this step, one deviation by the derivatives, values may be changed before S has risen by
-// its variance; 1 where that is as far as they say. Beside a jump they know one side of a valley that is wide on the
-// other. Values where S is lower go to `lower`.
+// How many times as long as this step, one deviation by the derivatives, a deviation is: half of the way on which S
+// rises by four times its variance; 1 where that is as far as they say. Beside a jump they know one side of a valley
+// that is wide on the other.
 double reach(Search& search, const FitStudy& study, const Minimum& best, const Eigen::VectorXd& step,
              std::optional<Eigen::VectorXd>& lower) {
-  constexpr double widening = 4.0, farthest = 1e7;
+  constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
   const double variance = best.misfit.variance(step.size()), least = best.misfit.sum();
-  double before = 0.0, risen = 0.0;
-  for (double times = 1.0; times < farthest; times *= widening) {
-    const Eigen::VectorXd values = best.at + times * step;
+  const double enough = sigmas * sigmas * variance;
+  const auto within = [&](const Eigen::VectorXd& values) {
     for (Eigen::Index k = 0; k < step.size(); ++k)
-      if (values(k) < study.parameters[k].low || values(k) > study.parameters[k].high) return times;
-    const double rise = search.at(values, best.compared, false).sum() - least;
-    if (rise < -0.03 * variance && !lower) lower = values;
-    if (times == 1.0 && rise > 0.5 * variance) return 1.0;
-    if (!std::isfinite(rise)) return times;
-    if (rise >= variance) return before + (times - before) * (variance - risen) / (rise - risen);
+      if (values(k) < study.parameters[k].low || values(k) > study.parameters[k].high) return false;
+    return true;
+  };
+  const auto rise_at = [&](double times) {
+    return search.at(best.at + times * step, best.compared, false).sum() - least;
+  };
+  double before = 0.0, risen = 0.0;
+  for (double times = sigmas; times < farthest; times *= widening) {
+    const bool first = times == sigmas, inside = within(best.at + times * step);
+    if (!inside && !first) return times / sigmas;
+    const double rise = inside ? rise_at(times) : INFINITY;
+    if (rise < -0.03 * variance && !lower) lower = best.at + times * step;
+    if (first && !(rise <= 4.0 * enough)) {  // a bound or a jump is nearer than the derivatives know
+      double part = 0.5 * sigmas;
+      while (part > 1e-3 && !(within(best.at + part * step) && rise_at(part) <= enough)) part *= 0.5;
+      return 2.0 * part / sigmas;
+    }
+    if (first && rise > 0.75 * enough) return 1.0;
+    if (!std::isfinite(rise)) return times / sigmas;
+    if (rise >= enough) return (before + (times - before) * (enough - risen) / (rise - risen)) / sigmas;
     before = times, risen = std::max(rise, 0.0);
   }
   return farthest;
@@ -193,7 +208,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     }
     result.undetermined.push_back(std::move(lack));
   }
-  const Eigen::VectorXd moved = model_error(study, best, scaled, inverse, result);
+  const Eigen::VectorXd moved = model_error(search, study, best, scaled, inverse, result);
   Eigen::VectorXd longer = Eigen::VectorXd::Ones(count);
   for (Eigen::Index a = 0; a < count; ++a) {
     const FittedParameter& parameter = study.parameters[free[a]];
@@ -202,7 +217,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     if (result.residual > small_residual) {  // noise is left, and not what runs are wrong by
       Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
-      longer(a) = std::max({1.0, reach(search, study, best, step, lower), reach(search, study, best, -step, lower)});
+      longer(a) = std::max(reach(search, study, best, step, lower), reach(search, study, best, -step, lower));
     }
     const double error = scale(free[a]) * moved(a);
     const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
@@ -245,7 +260,8 @@ void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, cons
       break;
     }
   const bool bound = std::ranges::any_of(result.parameters, &Estimate::at_bound);
-  if (result.warnings.size() == before && !bound && result.undetermined.empty()) return;
+  if (result.converged && result.warnings.size() == before && !bound && result.undetermined.empty()) return;
+  if (!result.converged && result.warnings.size() == before) result.warnings.push_back("the search: " + result.reason);
   if (result.converged) result.reason = "it came to a minimum that is not to be relied on: see the warnings";
   result.converged = false;
 }
@@ -365,23 +381,62 @@ Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
   return start;
 }
 
+// True if the samples as they are leave noise, and no sample that stands out of it.
+bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
+  return is_explained(study, exact) && exact.residual.cwiseAbs().maxCoeff() <= 5.0 * std::max(noise, small_residual);
+}
+
+// Values near the best at which a contact change lies on the other side of a sample beside it, where the data change
+// least.
+std::vector<Eigen::VectorXd> across_samples(const Search& search, const FitStudy& study, const Minimum& best) {
+  constexpr std::size_t most = 8;
+  const Eigen::Index n = best.at.size();
+  Eigen::MatrixXd normal = best.misfit.jacobian.transpose() * best.misfit.jacobian;
+  normal.diagonal() *= 1.0 + 1e-12;
+  std::vector<Eigen::VectorXd> all;
+  for (const Event& change : best.misfit.changes) {
+    if (std::ssize(change.sensitivities) != n || all.size() >= 4 * most) continue;
+    Eigen::VectorXd time(n);
+    for (Eigen::Index k = 0; k < n; ++k) time(k) = change.sensitivities[static_cast<std::size_t>(k)].time;
+    const auto after = std::ranges::lower_bound(study.times, change.time);
+    if (!time.allFinite() || time.isZero(0.0) || after == study.times.begin() || after == study.times.end()) continue;
+    const Eigen::VectorXd along = definite_solution(normal, time);
+    const double per_time = time.dot(along), interval = *after - *(after - 1);
+    if (!along.allFinite() || !(per_time > 0.0)) continue;
+    for (const double to : {*after + 0.02 * interval, *after + 0.5 * interval, *(after - 1) - 0.02 * interval,
+                            *(after - 1) - 0.5 * interval}) {
+      Eigen::VectorXd at = best.at + (to - change.time) / per_time * along;
+      for (Eigen::Index k = 0; k < n; ++k) at(k) = search.limited(k, best.at(k), at(k));
+      all.push_back(at);
+    }
+  }
+  return all;
+}
+
 // Values near the best that meet the samples as they are. At the best ones a contact change may be on the wrong side of
 // a sample, which is hidden by what samples beside changes are compared with.
 std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, const Minimum& best) {
-  if (is_explained(study, search.at(best.at, Compared::exact, false))) return std::nullopt;
+  const double noise = residual_of(best.misfit, best.at.size());
+  const auto from = [&](const Eigen::VectorXd& at) -> std::optional<Minimum> {
+    Minimum found = search.minimum_from(at, Compared::exact, study.most_runs);
+    return is_met_exactly(study, found.misfit, noise) ? std::optional(found) : std::nullopt;
+  };
+  if (is_met_exactly(study, search.at(best.at, Compared::exact, false), noise))
+    return best.converged ? std::nullopt : from(best.at);
+  const auto from_best_of = [&](const std::vector<Eigen::VectorXd>& all) -> std::optional<Minimum> {
+    std::vector<std::pair<double, Eigen::VectorXd>> tried;
+    for (const Eigen::VectorXd& at : all) tried.emplace_back(search.at(at, Compared::exact, false).sum(), at);
+    std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, tried.size()); ++i)
+      if (auto found = from(tried[i].second)) return found;
+    return std::nullopt;
+  };
+  if (auto found = from_best_of(across_samples(search, study, best))) return found;
   const Eigen::MatrixXd axes = search.axes_of_deviations(best.at);
-  std::vector<std::pair<double, Eigen::VectorXd>> tried;
+  std::vector<Eigen::VectorXd> around;
   for (const double scale : {4.0, 2.0, 1.0})
-    for (std::size_t i = 0; i < 16; ++i) {
-      const Eigen::VectorXd at = beside(search, best.at, scale * axes, tried.size() + 1);
-      tried.emplace_back(search.at(at, Compared::exact, false).sum(), at);
-    }
-  std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
-  tried.resize(3);
-  for (const auto& [sum, at] : tried)
-    if (Minimum found = search.minimum_from(at, Compared::exact, study.most_runs); is_explained(study, found.misfit))
-      return found;
-  return std::nullopt;
+    for (std::size_t i = 0; i < 16; ++i) around.push_back(beside(search, best.at, scale * axes, around.size() + 1));
+  return from_best_of(around);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/end_kinds.hpp"
 #include "studies/limit/mesh_runs.hpp"
 
 namespace viscobar::limit {
@@ -9,7 +10,7 @@ namespace {
 
 Case own_motion_case(const LimitStudy& study, std::size_t elements) {
   Case run = penalised_case(study, elements, study.epsilons.front());
-  run.restitution.reset();
+  if (!keeps_restitution(run.scene)) run.restitution.reset();
   run.tolerance = run.tolerance.with_relative(1e-10);
   run.mass.reset();
   run.method = MethodName::characteristics;

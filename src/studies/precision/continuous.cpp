@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/end_kinds.hpp"
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
@@ -20,7 +21,7 @@ constexpr std::size_t fine = 1000, least_doublings = 3;
 Case on_mesh(const Case& scene, std::size_t elements) {
   Case run = scene;
   run.elements = elements;
-  run.restitution.reset();
+  if (!keeps_restitution(run.scene)) run.restitution.reset();
   run.tolerance = run.tolerance.with_relative(tolerance);
   // Stops with laws of their own are what they are in the bar itself.
   const MethodName by_laws = scene.scene.bar.viscosity > 0.0 ? MethodName::arkode : MethodName::cvode;
