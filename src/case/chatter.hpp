@@ -48,8 +48,8 @@ class ChatterWatch {
 
   double window_;
   bool between_ = false;  // two obstacles that hold a node from both sides
-  // Of the ends and of the span obstacle, where there are any: two for each mesh node, the second of closings upwards
-  // where there are obstacles on both sides. Of joints two for each number.
+  // Ends and a span obstacle have two for each mesh node where there are any, the second of closings upwards if there
+  // are obstacles on both sides. Joints have two for each number.
   std::vector<Burst> ends_, span_, joints_;
   bool told_ = false;
 };

@@ -56,7 +56,7 @@ struct SweepOptions {
   explicit SweepOptions(CLI::App& command) : output(command) {}
 };
 
-/// What a process runs of a sweep, and where its rows are.
+/// A process' share of a sweep, and where its rows are.
 struct SweepJob {
   SweepPart part;
   fs::path whole;            // the directory of the whole sweep
