@@ -12,6 +12,8 @@ namespace viscobar {
 namespace {
 
 constexpr double stiff = 1e4;  // kappa = k h / E
+// Part of an impact: less of it is what the mass of a mesh passes on to the far end of a bar.
+constexpr double least_pull = 0.01;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -435,7 +437,7 @@ PenalisedSystem::Collision PenalisedSystem::collide(std::size_t i, double t, std
   const bool of_joint = contact(i).joint > 0;
   const double sign = contact(i).sign, came = contact(i).of(w);
   const std::vector<double> answer =
-      answer_of(i, came == 0.0 ? 1.0 : std::max(1e-12, negligible.velocity / std::abs(came)), released);
+      answer_of(i, came == 0.0 ? 1.0 : std::max(least_pull, negligible.velocity / std::abs(came)), released);
   std::vector<double> acceleration(size());
   const double mass = sign / contact(i).of(answer), speed = -sign * came,
                kinetic = 0.5 * bar_.inertia().quadratic_form(w);
