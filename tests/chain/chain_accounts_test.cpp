@@ -137,6 +137,64 @@ TEST(ChainAccounts, AnObstacleOnTheRightOfABodyReactsAsOneOnTheLeft) {
   EXPECT_GT(most, 0.5);
 }
 
+// A consistent mass couples the two faces of a bar of one element: an impact on one would pull at the other.
+TEST(ChainAccounts, AnImpactOpensAContactThatItWouldPull) {
+  const std::string text =
+      "[[bar]]\nlength = 1.39\nviscosity = 0.00759\nelements = 3\nmodulus = 1.04\ndensity = 1.01\nvelocity = 0.0\n"
+      "[[bar]]\nlength = 0.38\nviscosity = 0.00672\nelements = 1\nmodulus = 1.66\ndensity = 0.67\nvelocity = 0.039\n"
+      "[[bar]]\nmass = 2.073\nvelocity = -1.067\n[[bar]]\nmass = 0.7677\nvelocity = 1.44\n[[joint]]\nkind = \"contact\"\n"
+      "gap = 0.187\n[[joint]]\nkind = \"contact\"\ngap = 0.116\n[[joint]]\nkind = \"contact\"\ngap = 0.029\n[left]\n"
+      "kind = \"fixed\"\n[right]\nkind = \"free\"\nstiffness = 3.032\nforce = \"-1.46*sin(2.17*t)\"\n[time]\nend = {}\n"
+      "[mesh]\nmass = \"consistent\"\n[method]\nname = \"{}\"\nstep = 1e-5\n[contact]\nrestitution = 0.0\n";
+  const auto run = [&](double end, const char* method) {
+    return record(case_of(fmt::format(fmt::runtime(text), end, method)));
+  };
+  const Recording rigid = run(3.0, "rigid"), scheme = run(3.0, "fully_discrete");
+  // Contacts of the scheme are at most a step off, at speeds below 2.
+  for (std::size_t k = 0; k < rigid.times.size(); ++k)
+    ASSERT_NEAR(rigid.displacement(k).back(), scheme.displacement(k).back(), 2.0 * 1e-5 * 10.0) << rigid.times[k];
+  for (const std::size_t k : {0, 1, 2})
+    EXPECT_NEAR(rigid.statistics.account->joints[k].impulse, scheme.statistics.account->joints[k].impulse, 1e-4) << k;
+  // The impulse of no contact falls.
+  double before = 0.0;
+  for (const double end : {0.43, 0.43515, 0.43516, 0.44}) {
+    const double impulse = run(end, "rigid").statistics.account->joints[1].impulse;
+    EXPECT_GE(impulse, before - 1e-12) << end;
+    before = impulse;
+  }
+}
+
+// Pulled on by less than the bar knows, a body of 1.7e-5 would fly by its own.
+TEST(ChainAccounts, ALightBodyIsLetGo) {
+  const std::string text =
+      "[[bar]]\nlength = 0.36\nviscosity = 0.179\nelements = 3\nmodulus = 2.06\ndensity = 2.83\nvelocity = -0.002\n[[bar]]\n"
+      "mass = 1.707e-05\nvelocity = -0.167\n[[bar]]\nmass = 2.19\nvelocity = 1.02\n[[joint]]\nkind = \"contact\"\n[[joint]]\n"
+      "kind = \"contact\"\ngap = 0.113\n[left]\nkind = \"free\"\nstiffness = 13.447\nmass = 0.953\n[time]\nend = 3.0\n"
+      "[mesh]\nmass = \"lumped\"\n[method]\nname = \"{}\"\nstep = 1e-4\n[contact]\nrestitution = 0.0\n";
+  const auto body = [&](const char* method) {
+    const Recording run = record(case_of(fmt::format(fmt::runtime(text), method)));
+    const auto u = run.displacement(run.times.size() - 1);
+    return u[u.size() - 2];
+  };
+  EXPECT_NEAR(body("rigid"), body("fully_discrete"), 1e-5);
+}
+
+// More bodies are bonded than there are elements.
+TEST(ChainAccounts, BondedBodiesAreOne) {
+  const std::string body = "[[bar]]\nmass = 1.0\nvelocity = 1.0\n", bond = "[[joint]]\nkind = \"bonded\"\n",
+                    bar = "[[bar]]\nlength = 1.0\nelements = 1\nviscosity = 0.05\nvelocity = 0.0\n",
+                    contact = "[[joint]]\nkind = \"contact\"\ngap = 0.1\n",
+                    rest = "[time]\nend = 1.0\n[mesh]\nmass = \"lumped\"\n[method]\nname = \"rigid\"\n";
+  for (const char* method : {"rigid", "cvode", "fully_discrete"}) {
+    const Recording three = record(case_of(body + body + body + bar + bond + bond + contact + rest,
+                                           {std::string("method.name=") + method, "contact.epsilon=1e-4"}));
+    const Recording one = record(case_of("[[bar]]\nmass = 3.0\nvelocity = 1.0\n" + bar + contact + rest,
+                                         {std::string("method.name=") + method, "contact.epsilon=1e-4"}));
+    ASSERT_EQ(three.u.size(), one.u.size());
+    for (std::size_t i = 0; i < one.u.size(); ++i) ASSERT_NEAR(three.u[i], one.u[i], 1e-9) << method;
+  }
+}
+
 TEST(ChainAccounts, AnEstimateHalvesBarsOfFewElements) {
   const Case run = case_of(
       "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 9\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\n"

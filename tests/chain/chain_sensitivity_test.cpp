@@ -253,5 +253,47 @@ TEST(ChainSensitivities, OfAContactThatAJumpOfTheLoadOpensHaveNoTimeOfItsOwn) {
   expect_derivatives(text, "left.gap", 0.1, {"time.end=1"});
 }
 
+// A wall that moves from the start on, before a body that flies freely into another: by its mass m2 the meeting at gap
+// / V does not move, nor does V, and v = m2 V / (m2 + m3) has the derivative m3 V / (m2 + m3)^2.
+TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
+  Case run =
+      parse_scene(
+          "[[bar]]\nlength = 1.0\nviscosity = 0.1\nelements = 3\n[[bar]]\nmass = 1.0\nvelocity = 1.0\n[[bar]]\nmass = "
+          "0.5\n[[joint]]\nkind = \"contact\"\ngap = 2.0\n[[joint]]\nkind = \"contact\"\ngap = 0.1\n[left]\nkind = "
+          "\"fixed\"\nmotion = \"0.1*sin(3*t)\"\n[time]\nend = 1.0\n[mesh]\nmass = \"lumped\"\n[method]\nname = "
+          "\"rigid\"\nrelative_tolerance = 1e-10\n",
+          "")
+          .run;
+  run.directions = {direction(run, "bar.2.mass")};
+  std::vector<double> meeting, last;
+  Observers observers;
+  observers.directions = run.directions;
+  observers.event = [&](const Event& event) { meeting.push_back(event.sensitivities[0].time); };
+  observers.snapshot = [&](const Snapshot& at) { last = {at.sensitivities[0].u.back(), at.sensitivities[0].v.back()}; };
+  simulate(resolve(run), observers);
+  ASSERT_EQ(meeting.size(), 1U);
+  EXPECT_NEAR(meeting[0], 0.0, 1e-12);
+  const double of_speed = 0.5 / (1.5 * 1.5);
+  EXPECT_NEAR(last[1], of_speed, 1e-9);
+  EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
+}
+
+// Checkpoints beyond where derivatives have ended, at a second impact of the same time.
+TEST(ChainSensitivity, ARunGoesOnBeyondItsDerivatives) {
+  Case run = parse_scene(
+                 "[[bar]]\nmass = 1.0\nvelocity = 1.289\n[[bar]]\nmass = 1.0\nvelocity = 0.579\n[[bar]]\nlength = 1.0\n"
+                 "viscosity = 0.02\nelements = 1\nvelocity = 0.38\n[[joint]]\nkind = \"contact\"\n[[joint]]\nkind = "
+                 "\"contact\"\n[time]\nend = 1.0\n[method]\nname = \"rigid\"\n[contact]\nrestitution = 0.5\n",
+                 "")
+                 .run;
+  run.directions = {direction(run, "joint.1.gap")};
+  Observers observers;
+  observers.directions = run.directions;
+  observers.checkpoints = {.every = 0.2, .asked = {}, .take = [](const Checkpoint&) { return RunControl::go_on; }};
+  const Statistics done = simulate(resolve(run), observers);
+  EXPECT_TRUE(done.completed);
+  EXPECT_TRUE(done.sensitivity->lost);
+}
+
 }  // namespace
 }  // namespace viscobar

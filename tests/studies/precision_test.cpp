@@ -77,6 +77,22 @@ TEST(Precision, SpaceFallsWithTheSquareOfTheElementOnTheConsistentMass) {
   EXPECT_NEAR(std::log2(*levels[0].difference / *levels[1].difference), 4.0, 0.15);
 }
 
+// A mass rebounds on every mesh: errors are against that motion, and fall.
+TEST(Precision, OfAMassThatReboundsIsAgainstOneThatDoes) {
+  PrecisionStudy study;
+  study.scene.scene = paper_throw(1.0).scene;
+  study.scene.scene.left_input.mass = 0.5;
+  study.scene.restitution = 0.8;
+  study.scene.end = 3.0;
+  study.elements = {16, 64};
+  study.methods = {MethodName::rigid};
+  study.tolerances = {1e-6};
+  study.repeat = 1;
+  study.seconds = 60.0;
+  const PrecisionResult result = precision_of(study);
+  EXPECT_LT(*result.rows[1].error, 0.5 * *result.rows[0].error);
+}
+
 // Massless contact nodes: below h^3 / eta^2 / 100 the penetration is epsilon R, and so is all that comes of it.
 TEST(Precision, PenaltyIsLinearInEpsilonOnMasslessContactNodes) {
   PrecisionStudy study = manufactured();
