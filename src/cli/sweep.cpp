@@ -114,11 +114,13 @@ int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& j
   const std::size_t threads = asked.threads > 0 ? asked.threads : one_of_many ? 1 : cores();
   const std::vector<double> costs = plan_cases(sweep, threads, job.part);
   catch_interrupts();
+  // Rows of another sweep are found before anything is made.
+  const std::vector<SweepRow> beside = rows_beside(job.whole, sweep, job.part, warn);
   SweepResults results(directory, sweep, warn);
   const std::size_t kept = results.size();
   std::vector<bool> to_run = job.part.own(costs.size());
   double integration = 0.0;
-  for (const SweepRow& row : rows_beside(job.whole, sweep, job.part, warn)) {
+  for (const SweepRow& row : beside) {
     if (results.has(row.index) || !to_run[row.index]) continue;
     results.add(row);
     integration += row.integration_seconds;
@@ -180,6 +182,7 @@ int run_sweep(const SweepOptions& asked) {
     job.by_launcher = part->of > 1;
   }
   const SweepFile sweep = read_sweep(asked.file, overrides);
+  check_result_directory(job.whole, ResultKind::sweep);
   const int code = run_job(asked, sweep, job);
   if (!job.by_launcher || code == stopped) return code;
   // mpirun would end the other parts with one that fails. The last to end puts the rows together.

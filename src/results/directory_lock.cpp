@@ -47,7 +47,10 @@ int open_lock(const std::filesystem::path& file) {
   constexpr int flags = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | flags, 0666);
   // One that a killed run of another user left can still be locked.
-  return descriptor < 0 && errno == EACCES ? ::open(file.c_str(), O_RDONLY | flags) : descriptor;
+  if (descriptor >= 0 || errno != EACCES) return descriptor;
+  const int for_reading = ::open(file.c_str(), O_RDONLY | flags);
+  if (for_reading < 0) errno = EACCES;
+  return for_reading;
 }
 
 std::atomic<const char*> latest = nullptr;  // the file of the lock made last

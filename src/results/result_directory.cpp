@@ -79,9 +79,7 @@ bool holds_whole_run(const fs::path& directory) {
 bool begun(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
   if (name == DirectoryLock::file_name || FileSet::is_folder(name)) return true;
-  if (name.starts_with("part-") && type(entry.path()) == fs::file_type::directory)
-    return has_result(entry.path(), files_of_kind(ResultKind::sweep)) ||
-           std::all_of(fs::directory_iterator(entry.path()), fs::directory_iterator(), begun);
+  if (name.starts_with("part-") && name.find("-of-") != name.npos && fs::is_directory(entry.path())) return true;
   return std::ranges::any_of(all_files(), [&](const Files& files) {
     const auto part_of = [&](std::string_view file) { return name == fmt::format("{}.part", file); };
     return part_of(files.summary) || std::ranges::any_of(files.others, part_of);
@@ -246,6 +244,8 @@ void ResultDirectory::replace_by_finished() const {
                                              "directory moves it to its place");
   }
 }
+
+void check_result_directory(const fs::path& directory, ResultKind kind) { check_place(checked_name(directory), kind); }
 
 void settle_result_directory(const fs::path& directory) {
   std::error_code error;

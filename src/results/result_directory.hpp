@@ -50,6 +50,9 @@ class ResultDirectory {
   DirectoryLock lock_;
 };
 
+/// Throws what the constructor would for that directory, and makes nothing.
+void check_result_directory(const std::filesystem::path& directory, ResultKind kind);
+
 /// Ends what a kill has left half done while the files of a finished run took their places, unless somebody else is
 /// about it. Readers call it first.
 void settle_result_directory(const std::filesystem::path& directory);

@@ -260,7 +260,8 @@ std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads, cons
         }
       },
       threads);
-  if (std::ranges::any_of(refused, [](const auto& list) { return list.empty(); })) return costs;
+  const bool whole = part.of == 1;
+  if (!whole || std::ranges::any_of(refused, [](const auto& list) { return list.empty(); })) return costs;
 
   // No case can run: the input is wrong as a whole. What an override brought in stands in the sweep file.
   std::vector<Diagnostic> all;

@@ -56,12 +56,12 @@ std::vector<SweepRow> rows_beside(const fs::path& directory, const SweepFile& sw
   std::ranges::sort(tables);
   std::vector<SweepRow> rows;
   for (const fs::path& table : tables) {
-    if (!fs::exists(table)) continue;
+    if (!fs::is_regular_file(table)) continue;
     try {
       std::ranges::move(SweepTable(table, sweep.plan, sweep.identity(), SweepTable::Access::read).read(),
                         std::back_inserter(rows));
     } catch (const IoError& failure) {
-      complain(fmt::format("{}; its rows are not taken", failure.what()));
+      complain(fmt::format("{}; its rows are not taken, and its cases run here", failure.what()));
     }
   }
   return rows;
@@ -71,9 +71,11 @@ bool are_whole(const fs::path& directory, std::size_t parts, const SweepPlan& pl
   for (std::size_t number = 1; number <= parts; ++number) {
     const SweepPart part{number, parts};
     const fs::path summary = directory / part.name() / "sweep.json";
-    if (!fs::exists(summary)) return false;
+    if (!fs::is_regular_file(summary)) return false;
     const auto json = nlohmann::json::parse(file_content(summary), nullptr, false);
-    if (!json.is_object() || json.value("done", std::size_t{0}) < part.count(plan.size())) return false;
+    const auto done = json.is_object() ? json.find("done") : json.end();
+    if (done == json.end() || !done->is_number_unsigned() || done->get<std::size_t>() < part.count(plan.size()))
+      return false;
   }
   return true;
 }

@@ -176,6 +176,28 @@ TEST_F(Sweep, PartsArePutTogetherAndTheMissingOnesRun) {
   EXPECT_EQ(viscobar("info --verify parts").code, 0);
   EXPECT_EQ(viscobar("info --verify parts/part-4-of-4").code, 0);
 
+  // A part without a case, or with such as cannot run, ends as others do.
+  write("one.toml",
+        "scene = \"" VISCOBAR_SOURCE_DIR "/examples/scenes/chatter.toml\"\n[vary]\nbar.viscosity = [1.0]\n");
+  for (const char* part : {"1/2", "2/2"})
+    EXPECT_EQ(viscobar(std::string("sweep one.toml --quiet -o few --part ") + part).code, 0) << part;
+  EXPECT_EQ(viscobar("sweep one.toml --quiet -o few").code, 0);
+  write("some.toml", "scene = \"" VISCOBAR_SOURCE_DIR
+                     "/examples/scenes/chatter.toml\"\n[vary]\nmethod.name = [\"cvode\", "
+                     "\"characteristics\"]\n");
+  for (const char* part : {"1/2", "2/2"})
+    EXPECT_LE(viscobar(std::string("sweep some.toml -o some --part ") + part).code, 1);
+  EXPECT_EQ(viscobar("sweep some.toml --json -o some").json()["done"], 2);
+
+  // The wrong command makes nothing that would be in the way of the right one.
+  ASSERT_EQ(viscobar("sweep sweep.toml --quiet --set time.end=2 -o ended --part 1/2").code, 0);
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o ended").code, 2);
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet --set time.end=2 -o ended").code, 0);
+  fs::create_directories(directory_ / "notes");
+  write("notes/notes.txt", "years");
+  EXPECT_EQ(viscobar("sweep sweep.toml --quiet -o notes --part 1/2").code, 2);
+  EXPECT_FALSE(fs::exists(directory_ / "notes/part-1-of-2"));
+
   const Ended other = viscobar("sweep sweep.toml --set time.end=2 -o parts --part 3/4");
   EXPECT_EQ(other.code, 2);
   EXPECT_NE(other.error.find("another sweep"), std::string::npos) << other.error;

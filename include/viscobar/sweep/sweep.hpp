@@ -187,7 +187,7 @@ struct SweepPart {
 };
 
 /// Reads every case of a part (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
-/// @throws SceneError when all are refused, with all reasons
+/// @throws SceneError when all of a whole sweep are refused, with all reasons
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0, const SweepPart& part = {});
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
