@@ -219,7 +219,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
       longer(a) = std::max(reach(search, study, best, step, lower), reach(search, study, best, -step, lower));
     }
-    const double error = scale(free[a]) * moved(a);
+    const double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
     const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
     // A step of one deviation leaves the bounds, or what the parameter is large by.
     if (deviation > std::min(0.5 * (parameter.high - parameter.low),
