@@ -398,14 +398,17 @@ void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, s
 double PenalisedSystem::held_impulse(std::size_t i, std::span<const double> change) const {
   if (contact(i).joint > 0) {
     const JointRow row = joint_row(i);
-    return row.sign * (row.inertia[0] * change[row.node] + row.inertia[1] * change[row.next] +
-                       row.inertia[2] * change[row.beyond]);
+    return row.sign * row.inertia_times(change);
   }
-  const std::size_t node = contact(i).unknown;
-  const auto inertia = inertia_beside(node);
-  double sum = inertia[0] * change[neighbour(node)];
-  if (inertia[1] != 0.0) sum += inertia[1] * change[node == 0 ? 2 : node - 2];
-  return contact(i).sign * sum;
+  return contact(i).sign * held_inertia_times(contact(i).unknown, change);
+}
+
+// The row of rho M of a held end, which does not move itself, times v.
+double PenalisedSystem::held_inertia_times(std::size_t end, std::span<const double> v) const {
+  const auto inertia = inertia_beside(end);
+  double sum = inertia[0] * v[neighbour(end)];
+  if (inertia[1] != 0.0) sum += inertia[1] * v[end == 0 ? 2 : end - 2];
+  return sum;
 }
 
 // (rho M)^{-1} d_i, closed contacts elsewhere holding their nodes. Those that it would pull by more than a negligible
@@ -556,8 +559,7 @@ std::vector<double> PenalisedSystem::joint_forces(double t, std::span<const doub
 
 double PenalisedSystem::joint_force(std::size_t i, std::span<const double> force, std::span<const double> a) const {
   const JointRow row = joint_row(i);
-  const double inertia = row.inertia[0] * a[row.node] + row.inertia[1] * a[row.next] + row.inertia[2] * a[row.beyond];
-  return row.sign * (inertia - force[row.node]);
+  return row.sign * (row.inertia_times(a) - force[row.node]);
 }
 
 double PenalisedSystem::holding_force(std::size_t i, double t, std::span<const double> u, std::span<const double> w) {
@@ -599,10 +601,7 @@ void PenalisedSystem::accelerate_held() {
 // The row of a held end, after accelerate_held().
 double PenalisedSystem::held_force(std::size_t i) const {
   const std::size_t node = contact(i).unknown;
-  const auto inertia = inertia_beside(node);
-  double sum = lacking_[node == 0 ? 0 : 1] + inertia[0] * acceleration_[neighbour(node)];
-  if (inertia[1] != 0.0) sum += inertia[1] * acceleration_[node == 0 ? 2 : node - 2];
-  return sum;
+  return lacking_[node == 0 ? 0 : 1] + held_inertia_times(node, acceleration_);
 }
 
 std::vector<double> PenalisedSystem::displacement(std::span<const double> u) const {

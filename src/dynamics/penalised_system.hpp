@@ -170,12 +170,11 @@ class PenalisedSystem {
   ///     rho M (w+ - w) = P e_i,    w+_i = -e w_i,    P = -(1 + e) w_i / (e_i . (rho M)^{-1} e_i),
   ///
   /// closed contacts elsewhere holding their nodes as far as they push. A node that is already below the surface by d
-  /// leaves with e (w_i^2
-  /// - 2 A d)^(1/2), A being what the bar presses it on with. It takes (1 - e^2) m w_i^2 / 2, m the mass in that
-  /// quotient. With e = 0 the node stays where the bar presses it on, a_i < 0 at w+. With e > 0 it leaves, unless the
-  /// bounces to come are negligible: it would rise by H = (e w_i)^2 / (2 A) and rest after 2 e |w_i| / (A (1 - e)). It
-  /// rests at once then, w+_i = 0, and nothing is displaced by more than H: but for the node's momentum m u_i', whose
-  /// integral over time is m H at most, the bar has the same impulse.
+  /// leaves with e (w_i^2 - 2 A d)^(1/2), where A is the acceleration by which the bar presses it on. The impact takes
+  /// (1 - e^2) m w_i^2 / 2, where m is the mass in that quotient. With e = 0 the node stays where the bar presses it
+  /// on, a_i < 0 at w+. With e > 0 it leaves, unless the bounces to come are negligible: it would rise by H = (e w_i)^2
+  /// / (2 A) and rest after 2 e |w_i| / (A (1 - e)). It rests at once then, w+_i = 0, and nothing is displaced by more
+  /// than H: but for the node's momentum m u_i', whose integral over time is m H at most, the bar has the same impulse.
   Collision collide(std::size_t i, double t, std::span<const double> u, std::span<double> w,
                     const Negligible& negligible);
   /// True if contact i, while closed, holds its node at -s gap: a rigid one does, and a spring on a massless node that
@@ -295,7 +294,7 @@ class PenalisedSystem {
   ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next)
   ///              + k_0 u_node + c_0 w_node - f_0 + (M (k u + c w))_node - (M f)_node,
   ///
-  /// k_0, c_0 and f_0 of a spring to the ground, the last but one term that of resistance along the bar.
+  /// with k_0, c_0 and f_0 of a spring to the ground, and M (k u + c w) of resistance along the bar.
   struct JointRow {
     std::size_t node, next, beyond;           ///< unknowns, from the joint inwards
     double sign;                              ///< 1 where the row is to the right of the joint, -1 to the left
@@ -303,6 +302,10 @@ class PenalisedSystem {
     double stiffness = 0.0, viscosity = 0.0;  ///< k, c
     double ground_stiffness = 0.0, ground_viscosity = 0.0, ground_force = 0.0;  ///< k_0, c_0, f_0
     std::array<double, 3> inertia{}, side_stiffness{}, side_drag{};             ///< of the three nodes
+    /// The row of rho M times v: of velocities the row's momentum, of accelerations its force of inertia.
+    double inertia_times(std::span<const double> v) const {
+      return inertia[0] * v[node] + inertia[1] * v[next] + inertia[2] * v[beyond];
+    }
   };
   /// Where contact i is by_law() it has b and a for nodes, and zeros.
   JointRow joint_row(std::size_t i) const;
@@ -397,6 +400,7 @@ class PenalisedSystem {
   bool has_one_sided() const { return !bar_.inertia().one_sided.empty(); }
   static std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
   std::array<double, 2> inertia_beside(std::size_t end) const;
+  double held_inertia_times(std::size_t end, std::span<const double> v) const;
   bool gives_way_by_rounding(std::size_t i) const;
   static const Stop* stop_in(std::span<const OwnStop> stops, std::size_t i) {
     for (const OwnStop& one : stops)

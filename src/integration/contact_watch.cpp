@@ -144,8 +144,7 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
     if (joint.contact == contact)
       joint.account->impulse += impulse;
     else if (system_.closed(joint.contact) && system_.collides(joint.contact))
-      joint.account->impulse += row.sign * (row.inertia[0] * change[row.node] + row.inertia[1] * change[row.next] +
-                                            row.inertia[2] * change[row.beyond]);
+      joint.account->impulse += row.sign * row.inertia_times(change);
   }
 }
 
