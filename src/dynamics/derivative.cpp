@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/contact_forces.hpp"
+#include "dynamics/indicator.hpp"
 #include "dynamics/natural_scales.hpp"
 
 namespace viscobar {
@@ -57,7 +59,7 @@ MomentBuilder::MomentBuilder(const PenalisedSystem& system, std::span<Derivative
 Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<const double> w,
                                  std::span<const double> a) {
   if (!strain_.empty()) {
-    if (const std::span<const double> origin = system_.origin(); origin.empty())
+    if (const std::span<const double> origin = system_.contacts().origin().values(); origin.empty())
       stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
     else
       stiffness_.multiply([&](std::size_t i) { return u[i] + origin[i]; }, strain_);
@@ -76,6 +78,8 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
                         {with_supports(direction.data, system.bar()), system.bar().mesh(), system.bar().mass()},
                         direction.beside)),
       motion_(data_, penalty),
+      contacts_(system.contacts()),
+      of_contacts_(motion_.contacts()),
       added_(system.size(), 0.0) {
   const Bar& bar = system.bar().bar();
   const double stretched = direction.bar.length / bar.length;
@@ -101,10 +105,10 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   }
   take_side(direction, stretched);
   const double least_damping = std::sqrt(bar.density / bar.modulus);  // of lambda; small beside that of a dashpot
-  for (std::size_t i = 0; i < system.contact_count(); ++i) {
+  for (std::size_t i = 0; i < system.contacts().size(); ++i) {
     LawRates rates{0.0, 0.0};
-    if (const Stop* stop = system.stop(i)) {
-      const Contact& contact = system.contact(i);
+    if (const Stop* stop = system.contacts()[i].law.stop()) {
+      const Contact& contact = system.contacts()[i];
       const bool right = contact.where == Where::right;
       if (const auto& own = contact.joint > 0 ? direction.members[contact.joint - 1].joint.stop
                             : right           ? direction.data.right_input.stop
@@ -112,10 +116,10 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
         rates = {own->stiffness, own->damping};
       relative_change_ += std::abs(rates.stiffness) / stop->stiffness;
       if (rates.damping != 0.0) relative_change_ += std::abs(rates.damping) / std::max(stop->damping, least_damping);
-      if (!stop->linear()) motion_.linearise(i, {});
-    } else if (!system.rigid()) {
-      const PenaltyLaw& law = system.law(i);
-      const Contact& contact = system.contact(i);
+      if (!stop->linear()) of_contacts_.linearise(i, {});
+    } else if (!system.contacts()[i].rigid) {
+      const PenaltyLaw& law = system.contacts()[i].law.linear();
+      const Contact& contact = system.contacts()[i];
       // k = weight / epsilon, b = 2 zeta (k m)^(1/2)
       const double stiffer = (contact.where == Where::span ? stretched : 0.0) - direction.epsilon / *penalty.epsilon;
       rates.stiffness = law.stiffness * stiffer;
@@ -144,7 +148,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   }
   driven_ = chain_ || !supports_.empty() || side_ || modulus_ != 0.0 || viscosity_ != 0.0 || inertia_ != 0.0 ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
-  if (driven_) motion_.add_force(added_, {});
+  if (driven_) motion_.load().add(added_, {});
 }
 
 // M goes like L.
@@ -175,8 +179,8 @@ double Derivative::relative_scale(double end) const {
 }
 
 void Derivative::take_contacts() {
-  for (std::size_t i = 0; i < system_.contact_count(); ++i)
-    if (motion_.closed(i) != system_.closed(i)) motion_.set_closed(i, system_.closed(i));
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (of_contacts_.closed(i) != contacts_.closed(i)) of_contacts_.set_closed(i, contacts_.closed(i));
 }
 
 // The strain of the element beside an end, times its length, outwards.
@@ -194,7 +198,7 @@ double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
 }
 
 double Derivative::displacement(std::size_t end, std::span<const double> u) const {
-  return u[end] + system_.origin_at(end) + lift_[0].of(system_.bar().is_right(end));
+  return u[end] + contacts_.origin().at(end) + lift_[0].of(system_.bar().is_right(end));
 }
 
 // The stretch of the lift, as stretch() is of u.
@@ -214,7 +218,7 @@ auto Derivative::placed(std::span<const double> u) const {
   return [this, of = system_.bar().displacement_at_nodes(u)](std::size_t j) {
     const BarSystem& bar = system_.bar();
     const std::size_t i = j - bar.first_node();
-    return of(j) + (i < bar.size() ? system_.origin_at(i) : 0.0) + lift_[0].at(bar.node_share(j));
+    return of(j) + (i < bar.size() ? contacts_.origin().at(i) : 0.0) + lift_[0].at(bar.node_share(j));
   };
 }
 
@@ -226,9 +230,10 @@ auto Derivative::moving(std::span<const double> w) const {
 
 void Derivative::drive(const Moment& at) {
   if (system_.bar().moving())
-    for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.lift(at.t, order);
-  for (const auto& [i, law] : system_.bent())
-    motion_.linearise(i, system_.tangent(i, system_.clearance(i, at.u), system_.contact(i).of(at.w)));
+    for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.load().lift(at.t, order);
+  for (std::size_t i = 0; contacts_.bend() && i < contacts_.size(); ++i)
+    if (contacts_[i].law.bent())
+      of_contacts_.linearise(i, contacts_[i].law.tangent(contacts_.clearance(i, at.u), contacts_[i].of(at.w)));
   if (!driven_) return;
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
@@ -255,8 +260,8 @@ void Derivative::drive(const Moment& at) {
     }
     const Lift &placed_by = lift_[0], &moved_by = lift_[1];
     const auto share = [&](std::size_t i) { return bar.moving() ? bar.share(i) : 0.0; };
-    chain_->stiffness.multiply([&](std::size_t i) { return at.u[i] + system_.origin_at(i) + placed_by.at(share(i)); },
-                               product_);
+    chain_->stiffness.multiply(
+        [&](std::size_t i) { return at.u[i] + contacts_.origin().at(i) + placed_by.at(share(i)); }, product_);
     chain_->stiffness.add_walls(bar.left_displacement().value_or(0.0) + placed_by.left,
                                 bar.right_displacement().value_or(0.0) + placed_by.right, product_);
     subtract();
@@ -280,18 +285,18 @@ void Derivative::drive(const Moment& at) {
                     mass * ((at.a.empty() ? 0.0 : at.a[node]) + lift_[2].of(right));
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    if (!system_.closed(i) || system_.holds(i)) continue;
-    const std::size_t node = system_.contact(i).unknown;
-    const double push = law_rate(i, system_.clearance(i, at.u), system_.contact(i).of(at.w));
+    if (!contacts_.closed(i) || contacts_[i].holds) continue;
+    const std::size_t node = contacts_[i].unknown;
+    const double push = law_rate(i, contacts_.clearance(i, at.u), contacts_[i].of(at.w));
     added_[node] += push;
-    if (system_.contact(i).joint > 0) {
+    if (contacts_[i].joint > 0) {
       added_[node - 1] -= push;
       continue;
     }
     if (node == 0) rates[0] -= laws_[i].stiffness * at.w[node];
     if (node + 1 == n) rates[1] -= laws_[i].stiffness * at.w[node];
   }
-  motion_.add_force(added_, rates);
+  motion_.load().add(added_, rates);
 }
 
 // Adds the lift's strain and inertia; K lift is zero but in the rows of ends.
@@ -308,7 +313,7 @@ void Derivative::add_frame() {
 void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
-  const Lift velocity = system_.lift(t, 1), acceleration = system_.lift(t, 2);
+  const Lift velocity = system_.load().lift(t, 1), acceleration = system_.load().lift(t, 2);
   const double stress = lift_stress(velocity, acceleration);
   if (!bar.left_fixed()) rate.front() += stress;
   if (!bar.right_fixed()) rate.back() -= stress;
@@ -324,9 +329,9 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
     rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right);
     massive |= mass != 0.0;
   }
-  const auto [before, after] = system_.beside(t);
+  const auto [before, after] = system_.load().beside(t);
   if (!massive || before >= after) return;
-  const Lift early = system_.lift(before, 2), late = system_.lift(after, 2);
+  const Lift early = system_.load().lift(before, 2), late = system_.load().lift(after, 2);
   const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= lift_inertia(i, jerk);
   for (const Support& support : supports_)
@@ -334,32 +339,32 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
-  const double apart = system_.origin_at(end == 0 ? 1 : end - 1) - system_.origin_at(end);
+  const double apart = contacts_.origin().at(end == 0 ? 1 : end - 1) - contacts_.origin().at(end);
   double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().stretch_at(end);
   if (system_.bar().moving()) {
-    const double stress = lift_stress(system_.lift(t, 0), system_.lift(t, 1));
+    const double stress = lift_stress(system_.load().lift(t, 0), system_.load().lift(t, 1));
     sum += end == 0 ? stress : -stress;
   }
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    const Contact& contact = system_.contact(i);
-    if (contact.unknown != end || !system_.closed(i) || system_.holds(i)) continue;
-    sum -= contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(system_.origin_at(end)));
+    const Contact& contact = contacts_[i];
+    if (contact.unknown != end || !contacts_.closed(i) || contacts_[i].holds) continue;
+    sum -= contact.sign * laws_[i].stiffness * (contact.sign * u + contact.clearance(contacts_.origin().at(end)));
   }
   return sum;
 }
 
 double Derivative::reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) {
-  if (!system_.closed(i)) return 0.0;
+  if (!contacts_.closed(i)) return 0.0;
   // The remainder of its row; the inertia of the neighbours, of the bar itself, is in the added force.
-  if (system_.holds(i)) return motion_.holding_force(i, at.t, s, rate);
-  const Contact& contact = system_.contact(i);
-  return motion_.contact_force(i, motion_.clearance(i, s), contact.of(rate)) +
-         law_rate(i, system_.clearance(i, at.u), contact.of(at.w));
+  if (contacts_[i].holds) return viscobar::holding_force(motion_, i, at.t, s, rate);
+  const Contact& contact = contacts_[i];
+  return of_contacts_[i].law.force(of_contacts_.clearance(i, s), contact.of(rate)) +
+         law_rate(i, contacts_.clearance(i, at.u), contact.of(at.w));
 }
 
 double Derivative::law_rate(std::size_t i, double clearance, double w) const {
-  const double sign = system_.contact(i).sign;
-  if (const Stop* law = system_.bent(i))
+  const double sign = contacts_[i].sign;
+  if (const Stop* law = contacts_[i].law.bent())
     return sign * (law->by_stiffness(-clearance, -sign * w) * laws_[i].stiffness +
                    law->by_damping(-clearance, -sign * w) * laws_[i].damping);
   return -sign * laws_[i].stiffness * clearance - laws_[i].damping * w;
@@ -367,14 +372,14 @@ double Derivative::law_rate(std::size_t i, double clearance, double w) const {
 
 double Derivative::push_rate(std::size_t i, const Moment& at, std::span<const double> s,
                              std::span<const double> rate) const {
-  const Contact& contact = system_.contact(i);
-  return system_.push_rate(i, motion_.clearance(i, s), contact.of(rate), contact.of(at.w),
-                           {.stiffness = laws_[i].stiffness, .damping = laws_[i].damping});
+  const Contact& contact = contacts_[i];
+  return viscobar::push_rate(contacts_, i, of_contacts_.clearance(i, s), contact.of(rate), contact.of(at.w),
+                             {.stiffness = laws_[i].stiffness, .damping = laws_[i].damping});
 }
 
 double Derivative::opening_reaction(std::size_t i, const Moment& at, std::span<const double> s,
                                     std::span<const double> rate) {
-  return system_.holds(i) ? reaction(i, at, s, rate) : system_.contact(i).sign * motion_.row_reaction(i, at.t, s, rate);
+  return contacts_[i].holds ? reaction(i, at, s, rate) : contacts_[i].sign * row_reaction(motion_, i, at.t, s, rate);
 }
 
 double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
@@ -387,7 +392,7 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
   const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
   const double side = side_ ? side_->at_end(right, side_->resistance(at(bar.u), at(bar.v))) : 0.0;
   return (right ? pull : -pull) + side + inertia +
-         system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load_held(right, t));
+         system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load().held(right, t));
 }
 
 double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,
@@ -407,7 +412,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
                 : inertia_ == 0.0 ? 0.0
                                   : inertia_ * row(bar.inertia(), at.w)) +
                bar.bar().viscosity / bar.rate_stretch_at(end) * stretch(end, s, {}, data_) +
-               viscous_of(bar.element_at(end)) * stretch(end, at.u, system_.origin(), bar);
+               viscous_of(bar.element_at(end)) * stretch(end, at.u, contacts_.origin().values(), bar);
   if (bar.moving()) sum += lift_inertia(end, lift_[1]) + viscous_of(bar.element_at(end)) * lift_stretch(end, lift_[0]);
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.dashpot * s[end];
@@ -436,11 +441,11 @@ double Derivative::elastic_row(std::size_t end, double u, double u_stretch, doub
 
 double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s) {
   const BarSystem& bar = system_.bar();
-  const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, system_.origin(), bar), s[end],
-                                 stretch(end, s, {}, data_));
+  const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, contacts_.origin().values(), bar),
+                                 s[end], stretch(end, s, {}, data_));
   return sum + side_row(end, placed(at.u), data_.displacement_at_nodes(s)) +
          (bar.moving() ? elastic_of(bar.element_at(end)) * lift_stretch(end, lift_[0]) : 0.0) -
-         (motion_.load(end, at.t) - added_[end]);
+         (motion_.load().at(end, at.t) - added_[end]);
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {
@@ -449,7 +454,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   // Fields of the bar itself, over all nodes.
   std::vector<double> u(mesh.nodes()), w(u), of_u(u), of_w(u);
   bar.expand_displacement(at.u, u);
-  const std::span<const double> origin = system_.origin();
+  const std::span<const double> origin = contacts_.origin().values();
   for (std::size_t i = 0; i < origin.size(); ++i) u[i + bar.first_node()] += origin[i];
   bar.expand_velocity(at.w, w);
   bar.add_lift(lift_[0], u);
@@ -477,15 +482,16 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
     sum += 0.5 * support.stiffness * u[end(support)] * u[end(support)] +
            0.5 * support.mass * w[end(support)] * w[end(support)];
   for (std::size_t i = 0; i < laws_.size(); ++i) {
-    const double clearance = system_.clearance(i, at.u);
-    if (system_.holds(i) || system_.moves(i) || clearance >= 0.0) continue;
-    if (system_.stop(i) && !system_.closed(i)) continue;
-    if (const Stop* law = system_.bent(i)) {
+    const double clearance = contacts_.clearance(i, at.u);
+    if (contacts_[i].holds || contacts_[i].moves || clearance >= 0.0) continue;
+    if (contacts_[i].law.stop() && !contacts_.closed(i)) continue;
+    if (const Stop* law = contacts_[i].law.bent()) {
       sum += law->energy(-clearance) * laws_[i].stiffness / law->stiffness;
-      sum -= law->force(-clearance, 0.0) * motion_.clearance(i, s);
+      sum -= law->force(-clearance, 0.0) * of_contacts_.clearance(i, s);
       continue;
     }
-    sum += clearance * (system_.law(i).stiffness * motion_.clearance(i, s) + 0.5 * laws_[i].stiffness * clearance);
+    sum += clearance *
+           (contacts_[i].law.linear().stiffness * of_contacts_.clearance(i, s) + 0.5 * laws_[i].stiffness * clearance);
   }
   return sum;
 }
@@ -495,8 +501,8 @@ void Derivative::expand(double t, std::span<const double> s, std::span<const dou
   data_.expand_displacement(s, u);
   data_.expand_velocity(rate, v);
   if (!data_.moving()) return;
-  data_.add_lift(motion_.lift(t, 0), u);
-  data_.add_lift(motion_.lift(t, 1), v);
+  data_.add_lift(motion_.load().lift(t, 0), u);
+  data_.add_lift(motion_.load().lift(t, 1), v);
 }
 
 }  // namespace viscobar

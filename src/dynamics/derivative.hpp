@@ -124,7 +124,7 @@ class Derivative {
   double relative_scale(double end) const;
 
   /// To be called where a leg begins.
-  void begin_leg(double t, double end) { motion_.begin_leg(t, end); }
+  void begin_leg(double t, double end) { motion_.load().begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
   /// Derivatives of the matrices of the bar, its contacts apart.
@@ -141,7 +141,7 @@ class Derivative {
   /// out = (rho M)' x of a chain, springs and masses of its ends included. O(n)
   void multiply_chain_inertia(std::span<const double> x, std::span<double> out) const;
   /// True if s has a load, or the frame an added force, that depends on time.
-  bool load_varies() const { return motion_.load_varies() || (driven_ && system_.bar().moving()); }
+  bool load_varies() const { return motion_.load().varies() || (driven_ && system_.bar().moving()); }
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
@@ -158,7 +158,7 @@ class Derivative {
   /// Derivative of the reaction whose zero opens closed contact i: the same where it holds(), else that of
   /// row_reaction().
   double opening_reaction(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate);
-  /// Derivative of the push condition of contact i (see PenalisedSystem::push_weights).
+  /// Derivative of the push condition of contact i (see push_weights()).
   double push_rate(std::size_t i, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
   /// Displacements, velocities and accelerations at all nodes.
   struct Nodal {
@@ -218,6 +218,8 @@ class Derivative {
   PenalisedSystem& system_;
   BarSystem data_;
   PenalisedSystem motion_;
+  const Contacts& contacts_;              // of the bar
+  Contacts& of_contacts_;                 // of s
   double relative_change_;                // of what the bar and its contacts are made of
   double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
   std::vector<LawRates> laws_;

@@ -189,8 +189,8 @@ std::vector<double> Derivative::joint_forces(const Moment& at, std::span<const d
                        viscous_of(element) * apart(bar.at_nodes(at.w)));
       continue;
     }
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
-      if (system_.contact(i).joint == joint.number) forces.push_back(reaction(i, at, s, rate));
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (contacts_[i].joint == joint.number) forces.push_back(reaction(i, at, s, rate));
   }
   return forces;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "dynamics/energy_terms.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -82,8 +84,8 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
     held[bar_.is_right(support.unknown)] |= is_stiff;
     if (!is_stiff) stiffness = std::max(stiffness, kappa);
   }
-  for (std::size_t i = 0; i < system.contact_count(); ++i)
-    if (system.closed(i)) held[bar_.is_right(system.contact(i).unknown)] = true;
+  for (std::size_t i = 0; i < system.contacts().size(); ++i)
+    if (system.contacts().closed(i)) held[bar_.is_right(system.contacts()[i].unknown)] = true;
   if (held_ == held) return;
   if (!held_) {
     stiffness_.emplace(bar_);
@@ -186,7 +188,7 @@ void JumpFilter::take_high_part(std::span<const double> x, std::span<double> hig
 JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<double> force, std::span<double> rate,
                                   std::span<double> u, std::span<double> w) {
   const std::size_t n = u.size();
-  const double before = system.energy(u, w);
+  const double before = energy(system.contacts(), u, w);
   jump_rate_.assign(rate.begin(), rate.end());
   apply(rate);
   std::vector<double> opposed(n);
@@ -196,21 +198,22 @@ JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<d
   apply(force);
   // No node is put through an obstacle.
   part_ = 1.0;
-  for (std::size_t i = 0; i < system.contact_count(); ++i) {
-    const double down = -system.contact(i).sign * force[system.contact(i).unknown];
-    if (!system.closed(i) && down > 0.0) part_ = std::clamp(system.clearance(i, u) / down, 0.0, part_);
+  for (std::size_t i = 0; i < system.contacts().size(); ++i) {
+    const double down = -system.contacts()[i].sign * force[system.contacts()[i].unknown];
+    if (!system.contacts().closed(i) && down > 0.0)
+      part_ = std::clamp(system.contacts().clearance(i, u) / down, 0.0, part_);
   }
   Taken taken;
   for (std::size_t i = 0; i < n; ++i) {
     u[i] += force[i] *= part_;
     w[i] += rate[i];
-    if (system.loaded()) taken.work += system.load(i, t) * force[i];
+    if (system.load().acts()) taken.work += system.load().at(i, t) * force[i];
   }
   shift_u_.assign(force.begin(), force.end());
   shift_w_.assign(rate.begin(), rate.end());
   shifted_ = true;
   if (bar_.has_dashpots()) answer_with_dashpots(force, w);
-  taken.energy = before + taken.work - system.energy(u, w);
+  taken.energy = before + taken.work - energy(system.contacts(), u, w);
   return taken;
 }
 
@@ -220,7 +223,7 @@ JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Neg
   shifted_ = false;
   stiffness(w, rate_);
   for (double& rate : rate_) rate = -rate;
-  system.add_load_rate(t, rate_);
+  system.load().add_rate(t, rate_);
   system.force(t, u, w, force_);
   if (is_smooth(force_, negligible.displacement) && is_smooth(rate_, negligible.velocity)) return {};
   return put(system, t, force_, rate_, u, w);
@@ -238,7 +241,7 @@ JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, doub
                                          std::span<double> w) {
   std::vector<double> force(u.size()), rate(u.size());
   shifted_ = false;
-  if (jumps_with_frame(t, end) || !system.load_jump(t, end, force, rate)) return {};
+  if (jumps_with_frame(t, end) || !system.load().jump(t, end, force, rate)) return {};
   prepare(system);
   return put(system, t, force, rate, u, w);
 }
@@ -351,7 +354,7 @@ void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const d
   prepare(derivative.motion());
   stiffness(s_rate, rate);
   for (double& one : rate) one = -one;
-  derivative.motion().add_load_rate(t, rate);
+  derivative.motion().load().add_rate(t, rate);
   add_changes(derivative, w, {}, rate);
   derivative.add_frame_rate(t, rate);
 }

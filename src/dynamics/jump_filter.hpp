@@ -43,7 +43,7 @@ class JumpFilter {
   Taken begin(PenalisedSystem& system, double t, const Negligible& negligible, std::span<double> u,
               std::span<double> w);
   /// Where the load breaks at t; nothing elsewhere, nor where a motion has a kink. `end` as in
-  /// PenalisedSystem::begin_leg().
+  /// ActingLoad::begin_leg().
   Taken pass_break(PenalisedSystem& system, double t, double end, std::span<double> u, std::span<double> w);
   /// The derivatives s of a state that the last call of begin() or pass_break() has put right, with those of
   /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/penalised_system.hpp"
+#include "dynamics/contacts.hpp"
 
 namespace viscobar {
 
@@ -26,14 +26,14 @@ inline std::string into_the_bar(const Contact& contact, double t) {
 
 /// Closed contacts that a jump of their obstacles at t leaves open; u are displacements behind it, in a frame that
 /// follows it, and at most `largest`. @throws LoadError where an obstacle jumps into the bar
-inline std::vector<std::size_t> left_by_jump(const PenalisedSystem& system, const FrameJump& jump, double t,
+inline std::vector<std::size_t> left_by_jump(const Contacts& contacts, const FrameJump& jump, double t,
                                              std::span<const double> u, double largest) {
   std::vector<std::size_t> left;
-  for (std::size_t i = 0; i < system.contact_count(); ++i) {
-    const Contact& contact = system.contact(i);
-    const double towards = contact.sign * system.bar().lift_at(contact, jump.displacement);
-    const double clear = system.clearance(i, u);
-    if (towards == 0.0 || (clear >= -system.clearance_rounding(i, largest) && !system.closed(i))) continue;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact& contact = contacts[i];
+    const double towards = contact.sign * contacts.bar().lift_at(contact, jump.displacement);
+    const double clear = contacts.clearance(i, u);
+    if (towards == 0.0 || (clear >= -contacts[i].clearance_rounding(largest) && !contacts.closed(i))) continue;
     if (towards > 0.0) throw LoadError(t, into_the_bar(contact, t));
     if (clear > 0.0) left.push_back(i);
   }

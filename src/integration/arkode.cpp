@@ -112,7 +112,7 @@ class ArkodeStepper final : public PolynomialStepper {
     check("ARKodeSetNonlinearSolver", ARKodeSetNonlinearSolver(memory, solver_.get()));
     check("ARKodeSetPredictorMethod", ARKodeSetPredictorMethod(memory, 0));  // the state that the step begins with
     check("ARKodeSetDeduceImplicitRhs", ARKodeSetDeduceImplicitRhs(memory, SUNTRUE));
-    if (leg_.system.load_varies())
+    if (leg_.system.load().varies())
       check("ARKodeSetMaxStep", ARKodeSetMaxStep(memory, longest_step(leg_.system, end_ - t)));
     // The step is interpolated by StepPolynomial; the least that the library can be asked to keep for its own.
     check("ARKodeSetInterpolantType", ARKodeSetInterpolantType(memory, ARK_INTERP_LAGRANGE));

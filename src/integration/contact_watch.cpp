@@ -33,32 +33,32 @@ void raise(auto& account, std::span<const double> force, double to, double lengt
 
 }  // namespace
 
-SpanForce::SpanForce(const PenalisedSystem& system, SpanAccount& account) : system_(system), account_(account) {
-  for (std::size_t i = 0; i < system.contact_count(); ++i)
-    if (system.contact(i).where == Where::span) nodes_.push_back({i, 0, 0, system.law(i).damping > 0.0});
+SpanForce::SpanForce(const Contacts& contacts, SpanAccount& account) : contacts_(contacts), account_(account) {
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (contacts[i].where == Where::span) nodes_.push_back({i, 0, 0, contacts[i].law.linear().damping > 0.0});
 }
 
 void SpanForce::ask_for(std::vector<std::size_t>& entries) {
   for (Node& node : nodes_) {
-    const std::size_t unknown = system_.contact(node.contact).unknown;
+    const std::size_t unknown = contacts_[node.contact].unknown;
     node.displacement = node.velocity = entries.size();
     entries.push_back(unknown);
     if (!node.damped) continue;
     node.velocity = entries.size();
-    entries.push_back(system_.size() + unknown);
+    entries.push_back(contacts_.bar().size() + unknown);
   }
 }
 
 void SpanForce::select(std::vector<std::size_t>& positions) const {
   for (const Node& node : nodes_) {
-    if (!system_.closed(node.contact)) continue;
+    if (!contacts_.closed(node.contact)) continue;
     positions.push_back(node.displacement);
     if (node.damped) positions.push_back(node.velocity);
   }
 }
 
 bool SpanForce::closed() const {
-  return std::ranges::any_of(nodes_, [this](const Node& node) { return system_.closed(node.contact); });
+  return std::ranges::any_of(nodes_, [this](const Node& node) { return contacts_.closed(node.contact); });
 }
 
 void SpanForce::add(double to, double length, std::size_t order) {
@@ -71,27 +71,28 @@ void SpanForce::add(double to, double length, std::size_t order) {
 void SpanForce::look_at(std::size_t j, std::span<const double> y) {
   double sum = 0.0;
   for (const Node& node : nodes_) {
-    if (!system_.closed(node.contact)) continue;
-    const Contact& contact = system_.contact(node.contact);
+    if (!contacts_.closed(node.contact)) continue;
+    const Contact& contact = contacts_[node.contact];
     const double origin = origin_.empty() ? 0.0 : origin_[contact.unknown];
-    const auto& law = system_.law(node.contact);
+    const auto& law = contacts_[node.contact].law.linear();
     sum -= contact.sign * law.stiffness * (contact.sign * y[node.displacement] + contact.clearance(origin));
     if (node.damped) sum -= law.damping * y[node.velocity];
   }
   force_[j] = sum;
 }
 
-JointForces::JointForces(const PenalisedSystem& system, RunAccount& account) : system_(system) {
+JointForces::JointForces(const Contacts& contacts, const ActingLoad& load, RunAccount& account)
+    : contacts_(contacts), load_(load) {
   std::size_t last = account.joints.size();
-  for (std::size_t i = 0; i < system.contact_count(); ++i) last = std::max(last, system.contact(i).joint);
+  for (std::size_t i = 0; i < contacts.size(); ++i) last = std::max(last, contacts[i].joint);
   account.joints.resize(last);
-  for (std::size_t i = 0; i < system.contact_count(); ++i)
-    if (const std::size_t number = system.contact(i).joint; number > 0)
-      joints_.push_back({i, &account.joints[number - 1], system.joint_row(i)});
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (const std::size_t number = contacts[i].joint; number > 0)
+      joints_.push_back({i, &account.joints[number - 1], joint_row(contacts, i)});
 }
 
 void JointForces::ask_for(std::vector<std::size_t>& entries) {
-  const std::size_t n = system_.size();
+  const std::size_t n = contacts_.bar().size();
   for (Joint& joint : joints_) {
     const auto& row = joint.row;
     std::size_t k = 0;
@@ -105,24 +106,23 @@ void JointForces::ask_for(std::vector<std::size_t>& entries) {
 
 void JointForces::select(std::vector<std::size_t>& positions) const {
   for (const Joint& joint : joints_)
-    if (system_.closed(joint.contact))
+    if (contacts_.closed(joint.contact))
       positions.insert(positions.end(), joint.positions.begin(),
                        joint.positions.begin() + static_cast<std::ptrdiff_t>(used()));
 }
 
 bool JointForces::closed() const {
-  return std::ranges::any_of(joints_, [this](const Joint& joint) { return system_.closed(joint.contact); });
+  return std::ranges::any_of(joints_, [this](const Joint& joint) { return contacts_.closed(joint.contact); });
 }
 
 void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
   for (Joint& joint : joints_) {
-    if (!system_.closed(joint.contact)) continue;
+    if (!contacts_.closed(joint.contact)) continue;
     const auto& [row, at] = std::tie(joint.row, joint.positions);
     double stretch = y[at[0]] - y[at[1]];
     if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
-    if (system_.by_law(joint.contact)) {
-      joint.rate[j] =
-          system_.contact_force(joint.contact, stretch + system_.contact(joint.contact).gap, y[at[2]] - y[at[3]]);
+    if (contacts_[joint.contact].by_law) {
+      joint.rate[j] = contacts_[joint.contact].law.force(stretch + contacts_[joint.contact].gap, y[at[2]] - y[at[3]]);
       continue;
     }
     const auto displacement = [&](std::size_t k) {
@@ -132,8 +132,8 @@ void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
     joint.momentum[j] = row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] +
                         row.viscosity * stretch + row.ground_viscosity * displacement(0);
     joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
-                    system_.load_alone(row.node, t);
-    for (std::size_t k = 0; k < 3 && system_.bar().side(); ++k)
+                    load_.alone(row.node, t);
+    for (std::size_t k = 0; k < 3 && contacts_.bar().side(); ++k)
       joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * y[at[2 + k]];
   }
 }
@@ -143,14 +143,14 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
     const auto& row = joint.row;
     if (joint.contact == contact)
       joint.account->impulse += impulse;
-    else if (system_.closed(joint.contact) && system_.collides(joint.contact))
+    else if (contacts_.holds_mass(joint.contact))
       joint.account->impulse += row.sign * row.inertia_times(change);
   }
 }
 
 void JointForces::add(double to, double length, std::size_t order, bool extremes) {
   for (Joint& joint : joints_) {
-    if (!system_.closed(joint.contact)) continue;
+    if (!contacts_.closed(joint.contact)) continue;
     const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
     JointAccount& account = *joint.account;
     account.impulse +=
@@ -164,13 +164,14 @@ void JointForces::add(double to, double length, std::size_t order, bool extremes
   }
 }
 
-ContactWatch::ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes, bool apart)
-    : system_(system),
+ContactWatch::ContactWatch(const PenalisedSystem& system, RunAccount& account, bool extremes, bool apart)
+    : contacts_(system.contacts()),
+      load_(system.load()),
       bar_(system.bar()),
       extremes_(extremes),
       apart_(apart),
-      span_(system, account.span),
-      joints_(system, account) {
+      span_(contacts_, account.span),
+      joints_(contacts_, load_, account) {
   for (const bool right : {false, true}) {
     EndAccount& end = right ? account.right : account.left;
     const std::optional<double>& wall = bar_.wall(right);
@@ -220,7 +221,7 @@ void ContactWatch::enter_frame(std::span<const double> u, std::span<const double
 
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
-  const auto holds = [this](std::size_t i) { return system_.closed(i) && system_.holds(i); };
+  const auto holds = [this](std::size_t i) { return contacts_.closed(i) && contacts_[i].holds; };
   springs_ = !bar_.moving() && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
     return end.follows || std::ranges::any_of(end.contacts, holds);
   });
@@ -261,17 +262,17 @@ double ContactWatch::largest_reaction(const End& end, const std::size_t* positio
                                       std::span<const double> highest) const {
   double most = 0.0, least = 0.0;
   for (const std::size_t i : end.contacts) {
-    if (!system_.closed(i)) continue;
-    const auto& [stiffness, damping] = system_.law(i);
-    const Contact& contact = system_.contact(i);
+    if (!contacts_.closed(i)) continue;
+    const auto& [stiffness, damping] = contacts_[i].law.linear();
+    const Contact& contact = contacts_[i];
     const double rest = contact.sign * contact.clearance(end.origin);
     most -= stiffness * (lowest[position[0]] + rest), least -= stiffness * (highest[position[0]] + rest);
     if (end.entries.size() > 2) most -= damping * lowest[position[2]], least -= damping * highest[position[2]];
-    if (!system_.bent(i)) continue;
+    if (!contacts_[i].law.bent()) continue;
     // Monotone in the depth, linear in its rate: the extremes are at corners.
     for (const double u : {lowest[position[0]], highest[position[0]]})
       for (const double w : {lowest[position[2]], highest[position[2]]}) {
-        const double force = system_.contact_force(i, contact.sign * (u + rest), w);
+        const double force = contacts_[i].law.force(contact.sign * (u + rest), w);
         most = std::max(most, force), least = std::min(least, force);
       }
   }
@@ -384,7 +385,7 @@ void ContactWatch::add_extremes(End& end) {
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {
-  const std::size_t n = system_.size(), unknown = bar_.end(right);
+  const std::size_t n = bar_.size(), unknown = bar_.end(right);
   const double h = bar_.stretch_at(unknown);
   const BandedMatrix& inertia = bar_.inertia();
   const bool massless = bar_.massless(unknown);
@@ -397,10 +398,10 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
   for (const Support& support : bar_.supports())
     if (support.unknown == unknown) end.stiffness = support.stiffness, end.dashpot = support.dashpot;
-  for (std::size_t i = 0; i < system_.contact_count(); ++i)
-    if (system_.contact(i).unknown == unknown && system_.contact(i).joint == 0) end.contacts.push_back(i);
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (contacts_[i].unknown == unknown && contacts_[i].joint == 0) end.contacts.push_back(i);
   end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {
-                 return system_.by_law(i) || (system_.relative_stiffness(i) < 1.0 && !system_.bent(i));
+                 return contacts_[i].by_law || (contacts_[i].relative_stiffness < 1.0 && !contacts_[i].law.bent());
                });
   if (end.follows)
     end.entries = {*end.next};
@@ -412,7 +413,7 @@ void ContactWatch::watch(EndAccount& account, bool right) {
     end.entries = {unknown, unknown, n + unknown};
   // Without inertia, dashpot and rigidity no velocity counts.
   if (end.entries.size() > 2 && massless && std::ranges::none_of(end.contacts, [&](std::size_t i) {
-        return system_.law(i).damping > 0.0 || system_.holds(i);
+        return contacts_[i].law.linear().damping > 0.0 || contacts_[i].holds;
       }))
     end.entries.resize(2);
   end.sided = bar_.side() && !massless && !end.contacts.empty();
@@ -422,13 +423,13 @@ void ContactWatch::watch(EndAccount& account, bool right) {
 }
 
 inline bool ContactWatch::closed(const End& end) const {
-  return std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.closed(i); });
+  return std::ranges::any_of(end.contacts, [this](std::size_t i) { return contacts_.closed(i); });
 }
 
 // Where the inertia of the node's neighbours has a share in its reaction.
 inline bool ContactWatch::holds_mass(const End& end) const {
   return end.coupling != 0.0 &&
-         std::ranges::any_of(end.contacts, [this](std::size_t i) { return system_.collides(i) && system_.closed(i); });
+         std::ranges::any_of(end.contacts, [this](std::size_t i) { return contacts_.holds_mass(i); });
 }
 
 inline double ContactWatch::stored(const End& end, std::span<const double> y) const {
@@ -439,32 +440,32 @@ inline double ContactWatch::stored(const End& end, std::span<const double> y) co
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
 inline double ContactWatch::pull(const End& end, double t, double u, double w, std::size_t i) const {
-  const Contact& contact = system_.contact(i);
+  const Contact& contact = contacts_[i];
   return end.modulus * (contact.sign * u + contact.clearance(end.origin_next)) + end.stiffness * contact.gap +
-         contact.sign * (end.viscosity * w + system_.load_alone(end.unknown, t));
+         contact.sign * (end.viscosity * w + load_.alone(end.unknown, t));
 }
 
 inline double ContactWatch::displacement(const End& end, double t, std::span<const double> y) const {
   if (end.entries.empty()) return end.wall + lift(end, t);
   if (!end.follows) return y[0] + end.origin + lift(end, t);
   const std::size_t i = end.contacts.front();
-  const double share = system_.closed(i) ? system_.penetration_share(i) : 1.0;
-  const Contact& contact = system_.contact(i);
+  const double share = contacts_.closed(i) ? contacts_[i].penetration_share() : 1.0;
+  const Contact& contact = contacts_[i];
   return contact.sign * (share * pull(end, t, y[0], 0.0, i) / end.modulus - contact.gap) + lift(end, t);
 }
 
 inline double ContactWatch::reaction(const End& end, double t, std::span<const double> y) const {
   double sum = 0.0;
   for (const std::size_t i : end.contacts) {
-    if (!system_.closed(i)) continue;
-    const Contact& contact = system_.contact(i);
+    if (!contacts_.closed(i)) continue;
+    const Contact& contact = contacts_[i];
     if (end.follows)
-      sum -= contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[0], 0.0, i);
-    else if (system_.holds(i))
+      sum -= contact.sign * (1.0 - contacts_[i].penetration_share()) * pull(end, t, y[0], 0.0, i);
+    else if (contacts_[i].holds)
       sum += (end.sided ? side_row(end, y) : 0.0) -
-             contact.sign * (1.0 - system_.penetration_share(i)) * pull(end, t, y[1], y[3], i);
+             contact.sign * (1.0 - contacts_[i].penetration_share()) * pull(end, t, y[1], y[3], i);
     else
-      sum += system_.contact_force(i, contact.sign * y[0] + contact.clearance(end.origin), y[2]);
+      sum += contacts_[i].law.force(contact.sign * y[0] + contact.clearance(end.origin), y[2]);
   }
   return sum;
 }
@@ -473,7 +474,7 @@ inline double ContactWatch::reaction(const End& end, double t, std::span<const d
 inline double ContactWatch::rate(const End& end, double t, std::span<const double> y) const {
   if (end.direct) return reaction(end, t, y);
   const double side = end.sided ? side_row(end, y) : 0.0;
-  return side + end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - system_.load_alone(end.unknown, t);
+  return side + end.modulus * end.stretch(y) + end.stiffness * (y[0] + end.origin) - load_.alone(end.unknown, t);
 }
 
 // (M (k u + c w))_e

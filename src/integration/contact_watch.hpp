@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "discretisation/gauss.hpp"
+#include "dynamics/contact_rows.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
 #include "viscobar/run/run.hpp"
@@ -22,7 +23,7 @@ namespace viscobar {
 class SpanForce {
  public:
   /// Both outlive it. Without a span obstacle it asks for nothing.
-  SpanForce(const PenalisedSystem& system, SpanAccount& account);
+  SpanForce(const Contacts& contacts, SpanAccount& account);
 
   /// Appends the entries of (u, w) that it samples.
   void ask_for(std::vector<std::size_t>& entries);
@@ -47,14 +48,14 @@ class SpanForce {
     bool damped;                                  // true if the entries include the velocity
   };
 
-  const PenalisedSystem& system_;
+  const Contacts& contacts_;
   SpanAccount& account_;
   std::vector<Node> nodes_;
   std::span<const double> origin_;
   std::array<double, Bernstein::max_degree + 1> force_{};
 };
 
-/// The forces of closed contacts at joints of a chain, each by the row beside it (see PenalisedSystem::joint_row),
+/// The forces of closed contacts at joints of a chain, each by the row beside it (see JointRow),
 ///
 ///     sign N = d/dt (inertia . v + c (u_node - u_next) + c_0 u_node) + k (u_node - u_next) + k_0 u_node - f_0 -
 ///              (M f)_node + (M (k u + c v))_node,
@@ -65,7 +66,7 @@ class SpanForce {
 class JointForces {
  public:
   /// Both outlive it. Without such contacts it asks for nothing.
-  JointForces(const PenalisedSystem& system, RunAccount& account);
+  JointForces(const Contacts& contacts, const ActingLoad& load, RunAccount& account);
 
   void ask_for(std::vector<std::size_t>& entries);
   /// `origin` is added to u to have displacements from here on; empty: nothing.
@@ -82,15 +83,16 @@ class JointForces {
   struct Joint {
     std::size_t contact;
     JointAccount* account;
-    PenalisedSystem::JointRow row;
+    JointRow row;
     std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
     std::array<double, Bernstein::max_degree + 1> momentum{}, rate{};
   };
 
   /// Positions that are used: the last is of a side that resists.
-  std::size_t used() const { return system_.bar().side() ? 6 : 5; }
+  std::size_t used() const { return contacts_.bar().side() ? 6 : 5; }
 
-  const PenalisedSystem& system_;
+  const Contacts& contacts_;
+  const ActingLoad& load_;
   std::vector<Joint> joints_;
   std::span<const double> origin_;
 };
@@ -110,7 +112,7 @@ class ContactWatch {
  public:
   /// Both outlive it. Without `extremes` ranges and peaks stay as they are. With `apart` the impulses of springs() are
   /// left to integrate().
-  ContactWatch(PenalisedSystem& system, RunAccount& account, bool extremes, bool apart = false);
+  ContactWatch(const PenalisedSystem& system, RunAccount& account, bool extremes, bool apart = false);
 
   /// Appends the entries of (u, w) that it samples and that are not there yet.
   void ask_for(std::vector<std::size_t>& entries);
@@ -271,7 +273,8 @@ class ContactWatch {
   std::span<const double> used(const Samples& values) const { return std::span(values).first(order_ + 1); }
   Bernstein through(const Samples& values) const { return Bernstein::through(used(values)); }
 
-  PenalisedSystem& system_;
+  const Contacts& contacts_;
+  const ActingLoad& load_;
   const BarSystem& bar_;
   bool extremes_, apart_, springs_ = false;
   std::vector<End> ends_;

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "discretisation/gauss.hpp"
+#include "dynamics/energy_terms.hpp"
 #include "integration/layout.hpp"
 
 namespace viscobar {
@@ -18,14 +19,15 @@ std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout,
   motion_at(t, y);
   const std::span<double> w = layout.w(y);
   system.complete_velocity(t, layout.u(y), w);
-  const double loss = system.frame_loss(t, w);
+  const double loss = frame_loss(system.bar(), t, w);
   const std::size_t first = 2 * layout.nodes;
   std::array<double, 3> flow{};
-  if (layout.dissipated) flow[*layout.dissipated - first] = system.dissipated_power(w) + loss;
-  if (layout.dissipated && !system.bent().empty()) flow[*layout.dissipated - first] += system.stop_loss(layout.u(y), w);
-  if (layout.work) flow[*layout.work - first] = system.load_power(t, w) + loss;
+  if (layout.dissipated) flow[*layout.dissipated - first] = dissipated_power(system.contacts(), w) + loss;
+  if (layout.dissipated && system.contacts().bend())
+    flow[*layout.dissipated - first] += stop_loss(system.contacts(), layout.u(y), w);
+  if (layout.work) flow[*layout.work - first] = system.load().power(t, w) + loss;
   if (layout.end_inertia) {
-    const auto [all, of_frame] = system.end_power(t, layout.u(y), w, accelerations(t));
+    const auto [all, of_frame] = end_power(system, t, layout.u(y), w, accelerations(t));
     flow[*layout.end_inertia - first] = all;
     if (layout.work) flow[*layout.work - first] += of_frame;
   }

@@ -31,7 +31,7 @@ double ErrorWeights::displacement_tolerance() const {
 double ErrorWeights::tolerance_at(std::size_t i) const {
   const double own = std::min(clearances_[i], largest_u_);
   return std::max((tolerance_.relative * own + absolute_.displacement) / tightening_,
-                  system_.clearance_rounding(i, largest_u_));
+                  system_.contacts()[i].clearance_rounding(largest_u_));
 }
 
 double ErrorWeights::negligible_bounce(std::size_t i) const {
@@ -39,7 +39,7 @@ double ErrorWeights::negligible_bounce(std::size_t i) const {
   constexpr double stirred = 64.0, small = 0.01;
   const double once = tightening_ / (tolerance_.control == ErrorControl::global ? accumulated_ : 1.0);
   return std::max({once * tolerance_at(i), std::min(once * displacement_tolerance(), small * heights_[i]),
-                   stirred * system_.clearance_rounding(i, largest_u_)});
+                   stirred * system_.contacts()[i].clearance_rounding(largest_u_)});
 }
 
 double ErrorWeights::velocity_tolerance() const {
@@ -62,16 +62,16 @@ double ErrorWeights::negligible_reaction(double h) const {
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }
 
 void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
-  largest_u_ = std::max(largest_u_, system_.largest_displacement(y.first(layout_.nodes)));
+  largest_u_ = std::max(largest_u_, system_.contacts().origin().largest_displacement(y.first(layout_.nodes)));
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
   // Below a few units of rounding no step could pass.
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   const double relative = std::max(tolerance_.relative / tightening_, 16.0 * epsilon);
   std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute_.displacement / tightening_));
   const double of_velocity = std::max(relative * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
-  for (std::size_t i = 0; i < system_.contact_count(); ++i)
-    if (const double rate = system_.closed(i) ? system_.contact_rate(i) : 0.0; rate > 0.0) {
-      for (std::size_t node = system_.contact(i).unknown, last = node - (system_.contact(i).joint > 0 ? 1 : 0);;
+  for (std::size_t i = 0; i < system_.contacts().size(); ++i)
+    if (const double rate = system_.contacts().closed(i) ? system_.contacts()[i].rate : 0.0; rate > 0.0) {
+      for (std::size_t node = system_.contacts()[i].unknown, last = node - (system_.contacts()[i].joint > 0 ? 1 : 0);;
            --node) {
         // In flight the nodes of a joint go far, and what they differ by is known to their roundings.
         const double known = 4.0 * epsilon * std::abs(y[node]);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynamics/derivative.hpp"
+#include "dynamics/energy_terms.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -46,9 +47,9 @@ class ErrorWeights {
         massive_begin_(system.bar().massive_begin()),
         massive_end_(system.bar().massive_end()),
         inertia_(system.bar().bar().density * system.bar().bar().length),
-        accumulated_(system.dissipates() ? accumulation.dissipating : accumulation.conserving),
+        accumulated_(dissipates(system.contacts()) ? accumulation.dissipating : accumulation.conserving),
         per_change_(accumulation.per_change),
-        clearances_(system.collides() ? system.contact_count() : 0),
+        clearances_(system.contacts().collides() ? system.contacts().size() : 0),
         heights_(clearances_.size()) {
     for (const Derivative* derivative : derivatives) derivatives_.push_back({derivative->relative_scale(end)});
   }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "dynamics/contact_forces.hpp"
 #include "integration/approach.hpp"
 
 namespace viscobar {
@@ -24,31 +25,34 @@ double time_rounding(double t, double speed) {
 
 EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size_t size)
     : system_(system),
+      contacts_(system.contacts()),
+      indicators_(contacts_, system.load()),
       stepper_(stepper),
-      count_(system.contact_count()),
+      count_(system.contacts().size()),
       samples_(count_ * (Bernstein::max_degree + 1)),
       state_(size),
       pulls_(count_) {
   for (std::size_t i = 0; i < count_; ++i) {
     first_.push_back(entries_.size());
-    for (const std::size_t entry : system.indicator_entries(i)) entries_.push_back(entry);
+    for (const std::size_t entry : indicators_.entries(i)) entries_.push_back(entry);
   }
   first_.push_back(entries_.size());
-  for (std::size_t i = 0; i < count_ && system.has_stops(); ++i) pushes_.push_back(system.push_weights(i));
+  for (std::size_t i = 0; i < count_ && system.contacts().has_stops(); ++i)
+    pushes_.push_back(push_weights(system.contacts(), i));
   lets_go_ = std::ranges::any_of(pushes_, [](const auto& push) { return push.has_value(); });
   if (lets_go_) push_samples_.resize(samples_.size());
   weights_.resize(count_);
   all_.resize(count_);
   std::iota(all_.begin(), all_.end(), std::size_t{0});
   looked_at_ = all_;
-  std::ranges::copy_if(all_, std::back_inserter(moving_), [&](std::size_t i) { return system.moves(i); });
+  std::ranges::copy_if(all_, std::back_inserter(moving_), [&](std::size_t i) { return contacts_[i].moves; });
 }
 
 void EventSearch::select(std::vector<std::size_t>& positions) {
   bounded_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
     look_up(i);
-    const bool of_joint = system_.contact(i).joint > 0 && !system_.closed(i);
+    const bool of_joint = contacts_[i].joint > 0 && !contacts_.closed(i);
     bounded_ &= (weights_[i].alone || of_joint) && weights_[i].offset;
     const std::size_t end = weights_[i].alone && !lets_go(i) ? first_[i] + 1 : first_[i + 1];
     for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
@@ -59,13 +63,13 @@ void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);
   last_.resize(sampled);
-  if (system_.collides()) values_.resize(sampled);
+  if (contacts_.collides()) values_.resize(sampled);
 }
 
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   quiet_ = !selects() && proved_quiet(ends);
   if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
-  with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return system_.indicator_needs_rates(i); });
+  with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return contacts_.holds_mass(i); });
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects() && !ends->idle();
   if (looking) ends->begin_look(begin, end, order);
@@ -81,12 +85,12 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   double first = 2.0;
   bool later = false;
   for (const std::size_t i : looked_at_) {
-    if (system_.moves(i)) continue;
+    if (contacts_[i].moves) continue;
     const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
-    if (const double share = system_.penetration_share(i); system_.closed(i) && share > 0.0)
+    if (const double share = contacts_[i].penetration_share(); contacts_.closed(i) && share > 0.0)
       max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
     const auto [lowest, highest] = std::ranges::minmax(values);
-    if (system_.collides(i) && !system_.closed(i)) stepper_.weights().widen(i, highest);
+    if (contacts_[i].collides && !contacts_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
     if (lets_go_ && lets_go(i)) {
@@ -121,7 +125,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
     return s ? std::optional(StopChange{*s, by_push, false}) : std::nullopt;
   };
   const auto by_depth = Bernstein::through(values).first_descent(level);
-  if (system_.closed(i))
+  if (contacts_.closed(i))
     return by_depth && !(lets_go && *lets_go < *by_depth) ? first(by_depth, false) : first(lets_go, true);
   if (!by_depth) return std::nullopt;
   if (*by_depth > 0.0) {
@@ -142,11 +146,11 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
   with_rates_ = false;
   for (const std::size_t i : moving_) {
-    const Contact& contact = system_.contact(i);
+    const Contact& contact = contacts_[i];
     const auto clearance = [&](double t) {
       return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);
     };
-    const double rounding = system_.clearance_rounding(i, stepper_.weights().largest_displacement());
+    const double rounding = contacts_[i].clearance_rounding(stepper_.weights().largest_displacement());
     if (may_reach_within(whole, clearance, breaks_of_gap(system_.bar(), contact), rounding, begin, end)) return true;
   }
   return false;
@@ -155,9 +159,9 @@ bool EventSearch::may_reach_moving(double begin, double end, double whole) {
 void EventSearch::look_at(double begin, double t) {
   if (selects()) select_entries(all_);
   rates_.resize(count_), present_.resize(count_);
-  if (!system_.collides()) {
+  if (!contacts_.collides()) {
     const std::span<const double> rates = stepper_.sample(t, 1);
-    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * system_.indicator_weights(i)(part(i, rates));
+    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * indicators_.weights(i)(part(i, rates));
     return;
   }
   for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t);
@@ -166,16 +170,15 @@ void EventSearch::look_at(double begin, double t) {
 }
 
 bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
-  if (system_.moves(i)) return false;
+  if (contacts_[i].moves) return false;
   std::array<double, 8> values{};
   for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) values[k - first_[i]] = y[entries_[k]];
   const std::span<const double> entries = std::span(values).first(first_[i + 1] - first_[i]);
-  const double p =
-      system_.indicator_needs_rates(i) ? present_[i] : oriented(i, t, system_.indicator_weights(i), entries);
+  const double p = contacts_.holds_mass(i) ? present_[i] : oriented(i, t, indicators_.weights(i), entries);
   // One of two mirror images may be ahead by rounding; one that has just opened does not close by it.
   const ErrorWeights& weights = stepper_.weights();
-  const double rounding = system_.changes_by_row(i)
-                              ? system_.clearance_rounding(i, weights.largest_displacement())
+  const double rounding = contacts_[i].changes_by_row
+                              ? contacts_[i].clearance_rounding(weights.largest_displacement())
                               : 32.0 * std::numeric_limits<double>::epsilon() * weights.largest_velocity();
   if (against(i, t, y) > -sign(i) * rounding) return false;
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
@@ -186,29 +189,30 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
 // is more and more of the tolerance uncertain.
 inline double EventSearch::uncertainty(std::size_t i) const {
   const ErrorWeights& weights = stepper_.weights();
-  if (system_.holds(i))
-    return system_.closed(i)     ? system_.clearance_rounding(i, weights.largest_displacement())
-           : system_.collides(i) ? weights.tolerance_at(i)
-                                 : weights.displacement_tolerance();
-  const double rounding = system_.indicator_rounding(i, weights.largest_displacement());
+  if (contacts_[i].holds)
+    return contacts_.closed(i)     ? contacts_[i].clearance_rounding(weights.largest_displacement())
+           : contacts_[i].collides ? weights.tolerance_at(i)
+                                   : weights.displacement_tolerance();
+  const double rounding = indicators_.rounding(i, weights.largest_displacement());
   if (i != distrusted_) return rounding;
-  return rounding + share_ * (system_.relaxes(i) ? weights.reaction_tolerance() / (1.0 + system_.relative_stiffness(i))
-                                                 : weights.displacement_tolerance());
+  return rounding + share_ * (contacts_.closed(i) && contacts_[i].relaxes()
+                                  ? weights.reaction_tolerance() / (1.0 + contacts_[i].relative_stiffness)
+                                  : weights.displacement_tolerance());
 }
 
 // Positive where the state y speaks against a change of contact i: the velocity of a node that is to close, away from
 // the obstacle; by the row of a damped node without mass, (h/E) times a reaction that holds it, or pulls.
 double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
-  const std::size_t n = system_.size(), node = system_.contact(i).unknown;
+  const std::size_t n = system_.size(), node = contacts_[i].unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);
-  if (system_.changes_by_row(i))
-    return -sign(i) * system_.row_reaction(i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
+  if (contacts_[i].changes_by_row)
+    return -sign(i) * row_reaction(system_, i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
   // The indicator of an undamped node without mass is its neighbour's.
-  return system_.closed(i) || system_.bar().massless(node) ? 0.0 : system_.contact(i).sign * system_.contact(i).of(w);
+  return contacts_.closed(i) || system_.bar().massless(node) ? 0.0 : contacts_[i].sign * contacts_[i].of(w);
 }
 
 double EventSearch::against(std::size_t i, double t) {
-  if (system_.indicator_needs_rates(i)) return oriented(i, t, at(t));
+  if (contacts_.holds_mass(i)) return oriented(i, t, at(t));
   stepper_.interpolate_ends(t, state_);
   return against(i, t, state_);
 }
@@ -236,7 +240,7 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   const double from = begin + s * (end - begin), time = end - from;
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
-  const std::size_t node = system_.contact(i).unknown;
+  const std::size_t node = contacts_[i].unknown;
   const double h = system_.bar().stretch_at(node),
                impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
   const std::span<const double> against = against_between(i, from, end);
@@ -244,7 +248,7 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
-  if (const double mass = system_.lightest_body(i); mass > 0.0) {
+  if (const double mass = contacts_[i].lightest_body; mass > 0.0) {
     pull.way_of_body += (pull.of_body + 0.5 * force / mass * time) * time;
     pull.of_body += force / mass * time;
   }
@@ -276,10 +280,10 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
   for (std::size_t i = 0; i < count_; ++i)
     if (!far(i)) return false;
   for (std::size_t i = 0; i < count_; ++i)
-    if (system_.collides(i) && !system_.closed(i))
-      stepper_.weights().widen(i, (system_.contact(i).joint > 0 ? last_[first_[i] + 1] - last_[first_[i] + 2]
-                                                                : system_.contact(i).sign * last_[first_[i]]) +
-                                      system_.indicator_offset(i, 0.0));
+    if (contacts_[i].collides && !contacts_.closed(i))
+      stepper_.weights().widen(i, (contacts_[i].joint > 0 ? last_[first_[i] + 1] - last_[first_[i] + 2]
+                                                          : contacts_[i].sign * last_[first_[i]]) +
+                                      indicators_.offset(i, 0.0));
   return !watched || ends->within(lowest_, highest_, last_);
 }
 
@@ -298,8 +302,8 @@ bool EventSearch::look_at_the_near() {
 }
 
 void EventSearch::look_up(std::size_t i) {
-  weights_[i] = system_.indicator_weights(i);
-  if (lets_go(i)) pushes_[i] = system_.push_weights(i);
+  weights_[i] = indicators_.weights(i);
+  if (lets_go(i)) pushes_[i] = push_weights(contacts_, i);
 }
 
 void EventSearch::select_entries(const std::vector<std::size_t>& contacts) {
@@ -310,17 +314,17 @@ void EventSearch::select_entries(const std::vector<std::size_t>& contacts) {
 }
 
 bool EventSearch::far(std::size_t i) const {
-  if (system_.moves(i)) return true;
-  if (system_.contact(i).joint > 0) {
+  if (contacts_[i].moves) return true;
+  if (contacts_[i].joint > 0) {
     const std::size_t b = first_[i] + 1, a = first_[i] + 2;
-    return !system_.closed(i) && lowest_[b] - highest_[a] + system_.contact(i).gap > 0.0;
+    return !contacts_.closed(i) && lowest_[b] - highest_[a] + contacts_[i].gap > 0.0;
   }
-  if (lets_go_ && lets_go(i) && system_.closed(i)) return false;
-  const double offset = system_.indicator_offset(i, 0.0);  // which does not depend on t
+  if (lets_go_ && lets_go(i) && contacts_.closed(i)) return false;
+  const double offset = indicators_.offset(i, 0.0);  // which does not depend on t
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
-  const bool below = system_.contact(i).sign > 0.0;
+  const bool below = contacts_[i].sign > 0.0;
   const double low = (below ? lowest : -highest) + offset, high = (below ? highest : -lowest) + offset;
-  return system_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
+  return contacts_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 
 inline EventSearch::Sample EventSearch::at(double t, std::optional<std::size_t> point) {
@@ -338,14 +342,14 @@ inline double EventSearch::oriented(std::size_t i, double t, const Sample& sampl
   return oriented(i, t, weights_[i], part(i, sample.values), rates);
 }
 
-inline double EventSearch::oriented(std::size_t i, double t, const PenalisedSystem::IndicatorWeights& weights,
+inline double EventSearch::oriented(std::size_t i, double t, const IndicatorWeights& weights,
                                     std::span<const double> values, std::span<const double> rates) const {
-  return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : system_.indicator_offset(i, t)));
+  return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : indicators_.offset(i, t)));
 }
 
 // Rate of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
 double EventSearch::rate(std::size_t i, double begin, double t) {
-  if (!system_.indicator_needs_rates(i)) {
+  if (!contacts_.holds_mass(i)) {
     const std::span<const double> rates = stepper_.sample(t, 1);
     return sign(i) * weights_[i](part(i, rates));
   }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/indicator.hpp"
 #include "integration/bernstein.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/stepper.hpp"
@@ -16,7 +17,7 @@ namespace viscobar {
 
 /// Finds the contact changes inside one step of a stepper on the step's own interpolant.
 ///
-/// An open contact changes when its indicator p (see PenalisedSystem) becomes negative, a closed one when it becomes
+/// An open contact changes when its indicator p (see Indicators) becomes negative, a closed one when it becomes
 /// positive: both are the descent of an oriented indicator through zero. On a step it is a polynomial of the method's
 /// order (so the load is interpolated that an undamped massless node adds), taken in Bernstein form, so that no
 /// crossing is missed: neither two within a step nor a touch. A descent counts once it passes the uncertainty of the
@@ -27,7 +28,7 @@ namespace viscobar {
 /// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
 /// the descent of p, the change is where it begins to.
 ///
-/// A stop that lets go (see PenalisedSystem::push_weights) pushes where its push condition q is negative, too. Closed,
+/// A stop that lets go (see push_weights()) pushes where its push condition q is negative, too. Closed,
 /// it opens at the first descent of -p or -q. Open, it may have been let go inside, p < 0 < q: there it closes where q
 /// descends, unless the node has left before, and then where p descends again.
 ///
@@ -121,7 +122,7 @@ class EventSearch {
   std::optional<double> lasting(std::size_t i, double begin, double end, double s);
   double noticed(std::size_t i, double h) const;
   bool opens_by_row(std::size_t i) const {
-    return system_.closed(i) && (system_.changes_by_row(i) || system_.collides(i));
+    return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
   }
   // against() on the way from `from` to `end`, at equidistant points.
   std::span<const double> against_between(std::size_t i, double from, double end);
@@ -134,25 +135,27 @@ class EventSearch {
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
-  double sign(std::size_t i) const { return system_.closed(i) ? -1.0 : 1.0; }
+  double sign(std::size_t i) const { return contacts_.closed(i) ? -1.0 : 1.0; }
   // At a time of the step, which may be one of its equidistant points.
   Sample at(double t, std::optional<std::size_t> point = std::nullopt);
   double oriented(std::size_t i, double t, const Sample& sample) const;
-  double oriented(std::size_t i, double t, const PenalisedSystem::IndicatorWeights& weights,
-                  std::span<const double> values, std::span<const double> rates = {}) const;
+  double oriented(std::size_t i, double t, const IndicatorWeights& weights, std::span<const double> values,
+                  std::span<const double> rates = {}) const;
   double rate(std::size_t i, double begin, double t);
   double polished(double begin, double end, double t, std::size_t i);
 
   PenalisedSystem& system_;
+  const Contacts& contacts_;
+  Indicators indicators_;
   LegStepper& stepper_;
   std::size_t count_;
-  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
-  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
-  std::vector<std::size_t> near_;             // entries of the latter
-  std::vector<std::optional<PenalisedSystem::IndicatorWeights>> pushes_;  // of stops that let go
-  std::vector<std::size_t> moving_;                         // those whose obstacle moves, and is not looked for so
-  std::vector<double> lowest_, highest_, last_;             // bounds of the entries over the step, and at its end
-  std::vector<PenalisedSystem::IndicatorWeights> weights_;  // of those
+  std::vector<std::size_t> entries_, first_;             // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;             // contacts, and those that are sampled in this step
+  std::vector<std::size_t> near_;                        // entries of the latter
+  std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
+  std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
+  std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end
+  std::vector<IndicatorWeights> weights_;                // of those
   std::vector<double> samples_, push_samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates

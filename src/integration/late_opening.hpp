@@ -29,8 +29,8 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
                           LateOpening& latest) {
   const auto& [system, layout, stepper] = motion;
   const auto [t, begin, end, last_change, load_break] = opening;
-  const std::size_t node = system.contact(i).unknown;
-  const double omega = system.contact_rate(i);
+  const std::size_t node = system.contacts()[i].unknown;
+  const double omega = system.contacts()[i].rate;
   // A jump of the load asks for the opening at once, which comes within the same delay.
   if (omega * (t - load_break) < 10.0) return;
   std::vector<double> force(layout.nodes);
@@ -40,7 +40,7 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
     system.complete_velocity(at, layout.u(state), rate);
     system.force(at, layout.u(state), rate, force);
     system.accelerate(force);
-    return system.contact(i).sign * system.bar().inertia().diagonal_entry(node) * force[node];
+    return system.contacts()[i].sign * system.bar().inertia().diagonal_entry(node) * force[node];
   };
   const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
   const double now = pull(t), change = std::abs(now - pull(other)) / apart;

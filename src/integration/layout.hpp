@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 
+#include "dynamics/energy_terms.hpp"
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
@@ -14,14 +15,14 @@ namespace viscobar {
 struct Layout {
   Layout(const PenalisedSystem& system, bool energy, std::size_t parameters = 0)
       : nodes(system.size()), size(2 * nodes), derivatives(parameters) {
-    if (energy && system.takes_energy()) dissipated = size++;
-    if (energy && system.loaded()) work = size++;
+    if (energy && takes_energy(system.contacts())) dissipated = size++;
+    if (energy && system.load().acts()) work = size++;
     if (energy && system.bar().has_end_rows()) end_inertia = size++;
     first_derivative = size;
-    for (std::size_t i = 0; i < system.contact_count(); ++i) {
-      if (system.contact(i).joint > 0) continue;
-      left |= system.contact(i).unknown == 0 && !system.bar().left_fixed();
-      right |= system.contact(i).unknown + 1 == nodes && !system.bar().right_fixed();
+    for (std::size_t i = 0; i < system.contacts().size(); ++i) {
+      if (system.contacts()[i].joint > 0) continue;
+      left |= system.contacts()[i].unknown == 0 && !system.bar().left_fixed();
+      right |= system.contacts()[i].unknown + 1 == nodes && !system.bar().right_fixed();
     }
     block = 2 * nodes + (left ? 1 : 0) + (right ? 1 : 0);
     size += derivatives * block;

@@ -42,8 +42,9 @@ class OdeintStepper final : public PolynomialStepper {
     step_.restart();
     // The error estimate of L-stable formulas does not see what a step passes over: an impact on a stiff spring would
     // end in rest. Begun with a step that resolves it, they grow as the error lets them.
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
-      if (system_.closed(i) && system_.contact_rate(i) > 0.0) size_ = std::min(size_, 1.0 / system_.contact_rate(i));
+    for (std::size_t i = 0; i < system_.contacts().size(); ++i)
+      if (system_.contacts().closed(i) && system_.contacts()[i].rate > 0.0)
+        size_ = std::min(size_, 1.0 / system_.contacts()[i].rate);
   }
 
   double advance() override {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/penalised_system.hpp"
+#include "dynamics/energy_terms.hpp"
 
 namespace viscobar {
 
@@ -28,9 +28,9 @@ class RestWatch {
     give_back  ///< it has not led further: begin anew by backward differentiation of all orders
   };
 
-  /// The contacts of `system` are those of the leg.
-  void begin_leg(const PenalisedSystem& system, double t) {
-    look_for_springs(system);
+  /// The contacts are those of the leg.
+  void begin_leg(const Contacts& contacts, double t) {
+    look_for_springs(contacts);
     patience_ = first_patience;
     begin_stretch(t, State::resolving);
   }
@@ -73,14 +73,14 @@ class RestWatch {
   static constexpr double share = 0.1;                // of the promised error, that the oscillation may be
 
   // None where nothing dissipates, and an oscillation stays.
-  void look_for_springs(const PenalisedSystem& system) {
+  void look_for_springs(const Contacts& contacts) {
     nodes_.clear();
     period_ = 0.0;
-    if (!system.dissipates()) return;
-    for (std::size_t i = 0; i < system.contact_count(); ++i) {
-      const double rate = system.closed(i) ? system.contact_rate(i) : 0.0;
+    if (!dissipates(contacts)) return;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      const double rate = contacts.closed(i) ? contacts[i].rate : 0.0;
       if (rate == 0.0) continue;
-      nodes_.push_back(system.contact(i).unknown);
+      nodes_.push_back(contacts[i].unknown);
       period_ = std::max(period_, 2.0 * std::numbers::pi / rate);
     }
   }

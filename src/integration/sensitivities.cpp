@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/indicator.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -47,6 +49,7 @@ std::span<Derivative* const> Sensitivities::derive(const Penalty& penalty) {
 
 Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions)
     : system_(system),
+      contacts_(system.contacts()),
       directions_(directions),
       restitution_(penalty.restitution),
       time_direction_(still(system.bar(), directions.front().data)),
@@ -60,7 +63,7 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
-  time_.motion().add_force(load_rate_, {});
+  time_.motion().load().add(load_rate_, {});
 }
 
 void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, const ErrorWeights& weights) {
@@ -108,7 +111,7 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, const Blo
 // Makes time_ the motion of (v, a).
 void Sensitivities::differentiate_by_time(const Moment& at) {
   std::ranges::fill(load_rate_, 0.0);
-  system_.add_load_rate(at.t, load_rate_);
+  system_.load().add_rate(at.t, load_rate_);
   time_.take_contacts();
 }
 
@@ -116,9 +119,9 @@ void Sensitivities::differentiate_by_time(const Moment& at) {
 // second derivative of the load, which nobody knows.
 double Sensitivities::acceleration_of(const Moment& at, std::size_t i) {
   const BarSystem& bar = system_.bar();
-  const std::size_t node = system_.contact(i).unknown;
-  if (!bar.massless(node)) return system_.contact(i).of(acceleration_);
-  if (!bar.damped() && system_.load_varies()) return nothing;
+  const std::size_t node = contacts_[i].unknown;
+  if (!bar.massless(node)) return contacts_[i].of(acceleration_);
+  if (!bar.damped() && system_.load().varies()) return nothing;
   differentiate_by_time(at);
   std::vector<double> rates = acceleration_;
   time_.motion().complete_velocity(at.t, at.w, rates);
@@ -129,11 +132,11 @@ double Sensitivities::acceleration_of(const Moment& at, std::size_t i) {
 double Sensitivities::indicator_rate(const Moment& at, std::size_t i, bool by_push) {
   if (by_push) {
     // Those of the clearance and of its rate, the latter of the node itself.
-    const auto weights = *system_.push_weights(i);
-    const double of_rate = system_.contact(i).joint > 0 ? weights.values[3] : weights.values[2];
-    return weights.values[1] * system_.contact(i).of(at.w) + of_rate * system_.contact(i).of(acceleration_);
+    const auto weights = *push_weights(contacts_, i);
+    const double of_rate = contacts_[i].joint > 0 ? weights.values[3] : weights.values[2];
+    return weights.values[1] * contacts_[i].of(at.w) + of_rate * contacts_[i].of(acceleration_);
   }
-  if (!opens_by_reaction(i)) return system_.contact(i).sign * system_.contact(i).of(at.w);
+  if (!opens_by_reaction(i)) return contacts_[i].sign * contacts_[i].of(at.w);
   differentiate_by_time(at);
   return time_.opening_reaction(i, at, at.w, acceleration_);
 }
@@ -144,9 +147,9 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
   const BarSystem& bar = system_.bar();
   const double tolerances = 10.0 / promised_multiple;
   const double u = tolerances * weights_->promised_displacement(), w = tolerances * weights_->promised_velocity();
-  const std::size_t node = system_.contact(i).unknown;
+  const std::size_t node = contacts_[i].unknown;
   if (!opens_by_reaction(i))
-    return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(system_.contact(i).of(acceleration_)) * u;
+    return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(contacts_[i].of(acceleration_)) * u;
   const double h = bar.stretch_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
@@ -156,14 +159,14 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
 
 // A stiff spring on a node without mass has its reaction from the row, too.
 bool Sensitivities::opens_by_reaction(std::size_t i) const {
-  return system_.closed(i) && (system_.holds(i) || (system_.relaxes(i) && system_.changes_by_row(i)));
+  return contacts_.closed(i) && (contacts_[i].holds || (contacts_[i].relaxes() && contacts_[i].changes_by_row));
 }
 
 // True if the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none,
 // and a stop ends with none.
 bool Sensitivities::jumps(std::size_t i, bool by_push) const {
-  if (system_.stop(i) && (system_.closed(i) || by_push)) return false;
-  return system_.holds(i) || system_.law(i).damping > 0.0;
+  if (contacts_[i].law.stop() && (contacts_.closed(i) || by_push)) return false;
+  return contacts_[i].holds || contacts_[i].law.linear().damping > 0.0;
 }
 
 std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std::size_t i, bool by_push,
@@ -172,10 +175,10 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   shifted_ = false;
   if (lost()) return changes;
   const std::size_t n = layout_->nodes;
-  const Contact& contact = system_.contact(i);
+  const Contact& contact = contacts_[i];
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double rate = indicator_rate(at, i, by_push);
-  const bool graze = grazes(i, rate) || (since < t && system_.collides(i)), held = opens_by_reaction(i);
+  const bool graze = grazes(i, rate) || (since < t && contacts_[i].collides), held = opens_by_reaction(i);
   const double acceleration = acceleration_of(at, i);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
@@ -184,7 +187,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     complete(derivative, at, s);
     const double fall = by_push ? derivative.push_rate(i, at, s.u(), s.w())
                         : held  ? derivative.opening_reaction(i, at, s.u(), s.w())
-                                : derivative.motion().clearance(i, s.u());
+                                : derivative.motion().contacts().clearance(i, s.u());
     // A reaction that is nothing from another contact's opening on, as of two forces on one body, ends with that.
     const bool follows = fall == 0.0 && held && graze && t == last_change_.first && i != last_change_.second;
     shifts_[k] = follows ? shifts_[k] : fall == 0.0 ? 0.0 : -fall / rate;
@@ -192,12 +195,12 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     if (!graze || fall == 0.0)
       changes[k] = {shifts_[k], contact.of(s.w()) + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};
   });
-  if (t == last_change_.first && i != last_change_.second && system_.collides()) {
+  if (t == last_change_.first && i != last_change_.second && contacts_.collides()) {
     std::vector<double> answer(n, 0.0);
     answer[contact.unknown] = 1.0;
     if (contact.joint > 0) answer[contact.unknown - 1] = -1.0;
     system_.accelerate(answer);
-    const double beside = std::abs(system_.contact(last_change_.second).of(answer));
+    const double beside = std::abs(contacts_[last_change_.second].of(answer));
     if (beside > 1e-8 * std::abs(contact.of(answer))) {
       lose(t, "two contacts change at once, and what follows depends on which is first", y);
       changes.assign(changes.size(), {nothing, nothing});
@@ -209,7 +212,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   if (graze && moves) {
     lose(since,
          fmt::format("a contact {} with an indicator that hardly moves, a graze: its time has no derivative",
-                     system_.closed(i) ? "opens" : "closes"),
+                     contacts_.closed(i) ? "opens" : "closes"),
          y);
     return changes;
   }
@@ -226,21 +229,21 @@ void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& chang
   if (lost()) return;
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity =
-        -restitution_ * changes[k].velocity - directions_[k].restitution * system_.contact(i).of(old_velocity_);
+        -restitution_ * changes[k].velocity - directions_[k].restitution * contacts_[i].of(old_velocity_);
 }
 
 void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   if (lost()) return;
-  const Contact& contact = system_.contact(i);
+  const Contact& contact = contacts_[i];
   const std::size_t n = layout_->nodes, node = contact.unknown;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   const double came = contact.of(old_velocity_), goes = contact.of(w_);
   // A node that is released may get its velocity from the mesh.
-  const bool struck = shifted_ && system_.collides(i) && came != 0.0 && goes != came;
+  const bool struck = shifted_ && contacts_[i].collides && came != 0.0 && goes != came;
   const auto leave_with = [&](const Block& s, double velocity) {
     s[n + node] = contact.joint > 0 ? s[n + node - 1] + velocity : velocity;
   };
-  const bool rebounds = struck && !system_.closed(i);
+  const bool rebounds = struck && !contacts_.closed(i);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
       // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact, in parts that do not depend on the
@@ -258,8 +261,8 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       for (std::size_t j = 0; j < n; ++j) s[n + j] += share * (w_[j] - old_velocity_[j]);
       leave_with(s, reflected);
     }
-    if (system_.closed(i) && system_.holds(i)) {
-      derivative.motion().place_on_obstacle(i, s.u());
+    if (contacts_.closed(i) && contacts_[i].holds) {
+      derivative.motion().contacts().place(i, s.u());
       leave_with(s, 0.0);
     }
     if (shifted_) {
@@ -278,7 +281,7 @@ std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, st
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    changes[k] = {0.0, system_.contact(i).of(s.w())};
+    changes[k] = {0.0, contacts_[i].of(s.w())};
   });
   return changes;
 }
@@ -286,10 +289,11 @@ std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, st
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
-  const Contact& contact = system_.contact(i);
+  const Contact& contact = contacts_[i];
   const double acceleration = bar.lift_at(contact, bar.lift(t, 2));
   for (std::size_t k = 0; k < changes.size(); ++k)
-    changes[k].velocity += acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().lift(t, 1));
+    changes[k].velocity +=
+        acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().load().lift(t, 1));
 }
 
 // The impulse of what moves the frame is none of an obstacle.
@@ -332,8 +336,8 @@ void Sensitivities::account(double t, double sign, std::span<double> y) {
 void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std::span<double> y) {
   if (lost()) return;
   const bool kinks = of_bar && (of_bar->velocity.left != 0.0 || of_bar->velocity.right != 0.0);
-  for (std::size_t i = 0; i < system_.contact_count() && kinks; ++i)
-    if (system_.collides(i) && system_.closed(i))
+  for (std::size_t i = 0; i < contacts_.size() && kinks; ++i)
+    if (contacts_.holds_mass(i))
       return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
@@ -390,9 +394,9 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
     Field& field = fields_[k];
     derivative.expand(t, s.u(), s.w(), field.u, field.v);
     FieldSensitivity told{field.u, field.v, 0.0, 0.0, derivative.joint_forces(at, s.u(), s.w())};
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (!system_.closed(i) || system_.contact(i).joint > 0) continue;
-      const std::size_t node = system_.contact(i).unknown;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      if (!contacts_.closed(i) || contacts_[i].joint > 0) continue;
+      const std::size_t node = contacts_[i].unknown;
       const double reaction = derivative.reaction(i, at, s.u(), s.w());
       if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
       if (!bar.right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;

@@ -76,7 +76,7 @@ class Sensitivities {
     if (lost()) return;
     for (std::size_t k = 0; k < pointers_.size(); ++k) {
       for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
-      pointers_[k]->motion().load_jump(t, end, jumps_[k].first, jumps_[k].second);
+      pointers_[k]->motion().load().jump(t, end, jumps_[k].first, jumps_[k].second);
     }
     shift(filter, y);
     account(t, -1.0, y);
@@ -115,6 +115,7 @@ class Sensitivities {
   bool jumps(std::size_t i, bool by_push) const;
 
   PenalisedSystem& system_;
+  const Contacts& contacts_;
   std::span<const Direction> directions_;
   double restitution_;
   std::deque<Derivative> all_;

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/contact_forces.hpp"
+#include "dynamics/energy_terms.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -21,7 +23,7 @@ class SnapshotBuilder {
   /// The snapshot points to u and w, or to numbers that the next call replaces.
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
-    const std::span<const double> origin = system_.origin();
+    const std::span<const double> origin = system_.contacts().origin().values();
     if (!interior_ && !bar.moving()) return ends(t, u, w);
     std::span<const double> nodal_u = u, nodal_v = w;
     if (u.size() != u_.size() || !origin.empty() || bar.moving()) {
@@ -29,25 +31,25 @@ class SnapshotBuilder {
       for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
       bar.expand_velocity(w, v_);
       if (bar.moving()) {
-        bar.add_lift(system_.lift(t, 0), u_);
-        bar.add_lift(system_.lift(t, 1), v_);
+        bar.add_lift(system_.load().lift(t, 0), u_);
+        bar.add_lift(system_.load().lift(t, 1), v_);
       }
       nodal_u = u_, nodal_v = v_;
     }
     Snapshot snapshot{t, nodal_u, nodal_v};
     if (!reactions_) return snapshot;
-    const std::array<double, 3> reactions = system_.reactions(t, u, w);
+    const std::array<double, 3> reactions = viscobar::reactions(system_, t, u, w);
     if (!a_.empty()) system_.expand_acceleration(t, u, w, a_);
     const auto reaction = [&](bool right) {
       if (!bar.wall(right)) return reactions[right];
-      return bar.holding_force(right, nodal_u, nodal_v, a_, system_.load_held(right, t));
+      return bar.holding_force(right, nodal_u, nodal_v, a_, system_.load().held(right, t));
     };
     snapshot.reaction_left = reaction(false);
     snapshot.reaction_right = reaction(true);
     snapshot.reaction_span = reactions[2];
     if (bar.joints().empty()) return snapshot;
     joint_forces_.clear();
-    const std::vector<double> of_contacts = system_.joint_forces(t, u, w);
+    const std::vector<double> of_contacts = joint_forces(system_, t, u, w);
     auto contact = of_contacts.begin();
     for (const JointNodes& joint : bar.joints())
       joint_forces_.push_back(joint.contact ? *contact++
@@ -60,7 +62,7 @@ class SnapshotBuilder {
   /// Energy of a snapshot of the unknowns u; work and dissipation are those that the method knows.
   EnergyState energy(const Snapshot& of, std::span<const double> u, EnergyState known = {}) const {
     const BarEnergy bar = system_.bar().nodal_energy(of.u, of.v);
-    known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = system_.contact_energy(u);
+    known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = contact_energy(system_.contacts(), u);
     return known;
   }
 
@@ -69,7 +71,7 @@ class SnapshotBuilder {
     const BarSystem& bar = system_.bar();
     for (const bool right : {false, true}) {
       const std::size_t i = bar.end(right);
-      (right ? u_.back() : u_.front()) = bar.wall(right) ? *bar.wall(right) : u[i] + system_.origin_at(i);
+      (right ? u_.back() : u_.front()) = bar.wall(right) ? *bar.wall(right) : u[i] + system_.contacts().origin().at(i);
       (right ? v_.back() : v_.front()) = bar.wall(right) ? 0.0 : w[i];
     }
     return {t, u_, v_};

@@ -39,8 +39,8 @@ StepPolynomial::StepPolynomial(PenalisedSystem& system, const Layout& layout, st
       end_(begin_),
       relaxation_of_(layout.nodes, 0),
       inner_(layout.account() > 0 ? layout.size : 0) {
-  unresolved_.reserve(system.contact_count());
-  relaxations_.reserve(system.contact_count() + 2);
+  unresolved_.reserve(system.contacts().size());
+  relaxations_.reserve(system.contacts().size() + 2);
 }
 
 void StepPolynomial::begin_run(std::vector<std::size_t> sampled_entries) {
@@ -54,11 +54,11 @@ void StepPolynomial::restart() {
   first_of_leg_ = true;
   relaxations_.clear();
   std::ranges::fill(relaxation_of_, std::size_t{0});
-  for (const auto& row : system_.relaxing_rows()) relax(row, system_.load(row.unknown, end_.t));
+  for (const auto& row : relaxing_rows(system_.contacts())) relax(row, system_.load().at(row.unknown, end_.t));
   massless_ = relaxations_.size();
 }
 
-void StepPolynomial::relax(const PenalisedSystem::RelaxingRow& row, double load) {
+void StepPolynomial::relax(const RelaxingRow& row, double load) {
   relaxations_.push_back({row, load, {}});
   relaxation_of_[row.unknown] = relaxations_.size();
 }
@@ -69,7 +69,7 @@ void StepPolynomial::complete() {
   system_.complete_velocity(end_.t, layout_.u(end_.y), layout_.w(end_.y));
   forgotten_ = false;
   if (std::exchange(first_of_leg_, false)) forget_acceleration();
-  if (system_.contact_count() > 0) smooth_unresolved();
+  if (system_.contacts().size() > 0) smooth_unresolved();
   for (Relaxation& relaxation : relaxations_) drive(relaxation);
   add_account(end_.t, end_.y);
 }
@@ -96,23 +96,23 @@ void StepPolynomial::forget_acceleration() {
 }
 
 bool StepPolynomial::passes_over(std::size_t contact) {
-  if (!system_.closed(contact) || !system_.is_passed_over(contact, length())) return false;
-  const double turns = system_.contact_rate(contact) * length();
-  const double deepest = std::max(std::abs(system_.clearance(contact, layout_.u(begin_.y))),
-                                  std::abs(system_.clearance(contact, layout_.u(end_.y))));
+  if (!system_.contacts().closed(contact) || !system_.contacts()[contact].is_passed_over(length())) return false;
+  const double turns = system_.contacts()[contact].rate * length();
+  const double deepest = std::max(std::abs(system_.contacts().clearance(contact, layout_.u(begin_.y))),
+                                  std::abs(system_.contacts().clearance(contact, layout_.u(end_.y))));
   return 2.0 * deepest <= tolerance_ * turns * turns * turns;
 }
 
 void StepPolynomial::smooth_unresolved() {
   unresolved_.clear();
   for (; relaxations_.size() > massless_; relaxations_.pop_back()) relaxation_of_[relaxations_.back().row.unknown] = 0;
-  for (std::size_t c = 0; c < system_.contact_count(); ++c) {
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (!passes_over(c)) continue;
-    const std::size_t i = system_.contact(c).unknown;
+    const std::size_t i = system_.contacts()[c].unknown;
     const std::span ends = std::span(unresolved_).first(std::min<std::size_t>(unresolved_.size(), 2));
     if (std::ranges::find(ends, i) != ends.end()) continue;  // under a span obstacle, too
     unresolved_.push_back(i);
-    relax(system_.resting_row(c), system_.load(i, begin_.t));
+    relax(resting_row(system_.contacts(), c), system_.load().at(i, begin_.t));
   }
   if (unresolved_.empty()) return;
   rest_unresolved(begin_.a);
@@ -176,7 +176,7 @@ void StepPolynomial::drive(Relaxation& relaxation) {
                              (j < 4 ? next.a_share * twice * u[j + 2] / (h * h) : 0.0);
     }
   }
-  if (system_.load_varies()) drive_by_load(relaxation);
+  if (system_.load().varies()) drive_by_load(relaxation);
   for (std::size_t j = 0; j < 4; ++j)
     relaxation.drive[j] -= row.inertia / (h * h) * static_cast<double>((j + 1) * (j + 2)) * relaxation.drive[j + 2];
 }
@@ -185,7 +185,7 @@ void StepPolynomial::drive_by_load(Relaxation& relaxation) {
   const auto& row = relaxation.row;
   std::array<double, 5> loads{relaxation.load};
   for (std::size_t j = 1; j < 5; ++j)
-    loads[j] = system_.load(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * length());
+    loads[j] = system_.load().at(row.unknown, j == 4 ? end_.t : begin_.t + 0.25 * static_cast<double>(j) * length());
   relaxation.load = loads[4];
   const std::array<double, 5> power = powers_through(loads);
   for (std::size_t j = 1; j < 5; ++j) relaxation.drive[j] += row.load_share * power[j];
@@ -357,7 +357,7 @@ double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::siz
   constexpr std::size_t points = 6;
   Derivative& derivative = *derivatives_[k];
   const std::size_t node = relaxation.row.unknown, next = relaxation.row.neighbours[0].unknown;
-  for (const PenalisedSystem::RelaxingRow& row : derivative.motion().relaxing_rows()) {
+  for (const RelaxingRow& row : relaxing_rows(derivative.motion().contacts())) {
     if (row.unknown != node) continue;
     const double h = length();
     std::array<double, points> drive{};
@@ -365,7 +365,7 @@ double StepPolynomial::relaxed_derivative(const Relaxation& relaxation, std::siz
       const double at = static_cast<double>(j) / (points - 1), t = begin_.t + at * h;
       const auto [of_next, rate_of_next] = derivative_at(k, next, at);
       const double force =
-          derivative.motion().load_alone(node, t) +
+          derivative.motion().load().alone(node, t) +
           derivative.drive_row(node, t, value(node, at, 0), value(next, at, 0), value(node, at, 1), value(next, at, 1));
       drive[j] = row.constant + row.neighbours[0].u_share * of_next + row.neighbours[0].w_share * rate_of_next +
                  row.load_share * force;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/relaxing_rows.hpp"
 #include "integration/error_weights.hpp"
 #include "integration/stepper.hpp"
 
@@ -105,7 +106,7 @@ class StepPolynomial {
     double w0, w1, a0, a1, defect;
   };
   struct Relaxation {
-    PenalisedSystem::RelaxingRow row;
+    RelaxingRow row;
     double load = 0.0;                 // at the end of the step
     std::array<double, 6> drive = {};  // right-hand side of the row, powers of s
   };
@@ -134,7 +135,7 @@ class StepPolynomial {
   double relaxed_derivative(const Relaxation& relaxation, std::size_t k, double s) const;
   std::array<double, 2> derivative_at(std::size_t k, std::size_t i, double s) const;  // of u_i, and of w_i
   void complete();
-  void relax(const PenalisedSystem::RelaxingRow& row, double load);
+  void relax(const RelaxingRow& row, double load);
   double length() const { return known_ ? known_->length : end_.t - begin_.t; }
   double increment(std::size_t i) const { return known_ ? known_->increment[i] : end_.y[i] - begin_.y[i]; }
 

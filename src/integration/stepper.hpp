@@ -64,7 +64,7 @@ class LegStepper {
 /// How long a step may be: a load that varies, and vanishes wherever a long step looks, could hide a pulse in between.
 /// A load that lasts for a 64th of the run or longer is seen.
 inline double longest_step(const PenalisedSystem& system, double duration) {
-  return system.load_varies() ? duration / 64.0 : std::numeric_limits<double>::infinity();
+  return system.load().varies() ? duration / 64.0 : std::numeric_limits<double>::infinity();
 }
 
 /// Objects that a stepper works on and counts in; all outlive it.

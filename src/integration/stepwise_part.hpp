@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/energy_terms.hpp"
+#include "dynamics/impact.hpp"
 #include "dynamics/jump_filter.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "dynamics/penalised_system.hpp"
@@ -39,6 +41,7 @@ class StepwisePart {
                std::span<const double> times, const Observers& observers, double begin,
                std::optional<Sensitivities>& sensitivities)
       : system_(system),
+        contacts_(system.contacts()),
         layout_(layout),
         stepper_(stepper),
         statistics_(statistics),
@@ -69,7 +72,7 @@ class StepwisePart {
       if (reached <= t) continue;  // nothing can be interpolated
       if (search_.may_reach_moving(t, reached, end - times_.front())) return follow(t);
       std::optional<double> change;
-      if (system_.contact_count() > 0) {
+      if (contacts_.size() > 0) {
         ++statistics_.event_evaluations;
         change = search_.first_change(t, reached, ends_);
         statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
@@ -80,7 +83,7 @@ class StepwisePart {
         change.reset();
       }
       if (ends_ && !ends_->idle()) {
-        const bool searched = system_.contact_count() > 0 && !search_.selects() && limit == reached;
+        const bool searched = contacts_.size() > 0 && !search_.selects() && limit == reached;
         if (searched && search_.quiet())
           ends_->pass(reached, search_.last());
         else
@@ -121,7 +124,7 @@ class StepwisePart {
 
   /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
-    each(std::span(run.y_), ContactStates{run.system_}, run.stepper_.weights(), run.watchdog_);
+    each(std::span(run.y_), ContactStates{run.contacts_}, run.stepper_.weights(), run.watchdog_);
   }
 
   void count_seconds() { notifier_.count_seconds(); }
@@ -163,7 +166,7 @@ class StepwisePart {
       load_break_ = checkpoint->time;
       const bool entered = checkpoint->frame == Checkpoint::Frame::entered;
       if (entered && sensitivities_) {
-        leg_end_ = system_.begin_leg(checkpoint->time, times_.back());
+        leg_end_ = system_.load().begin_leg(checkpoint->time, times_.back());
         sensitivities_->begin_leg(checkpoint->time, times_.back());
         sensitivities_->enter_frame(checkpoint->time, y_);
       }
@@ -175,7 +178,7 @@ class StepwisePart {
   }
 
   void begin(double t, const State& start) {
-    system_.begin_leg(t, times_.back());
+    system_.load().begin_leg(t, times_.back());
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(start.v, w().begin());
     system_.complete_displacement(t, u());
@@ -184,25 +187,25 @@ class StepwisePart {
     if (sensitivities_) sensitivities_->begin(t, times_.back(), y_);
     system_.settle(t, u(), w());
     if (observers_.energy) {
-      const double of_frame = system_.frame_energy(t, u(), w());
-      statistics_.energy = EnergyAccount{.initial = system_.energy(u(), w()) + of_frame};
+      const double of_frame = frame_energy(system_, t, u(), w());
+      statistics_.energy = EnergyAccount{.initial = energy(contacts_, u(), w()) + of_frame};
       if (layout_.work) y_[*layout_.work] = -of_frame;
     }
     // Rigid contacts strike one after the other: those to come are open, and one that has moved apart by then stays so.
     std::vector<std::size_t> settled;
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      if (!system_.closed(i)) continue;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      if (!contacts_.closed(i)) continue;
       settled.push_back(i);
-      if (system_.collides(i)) system_.set_closed(i, false);
+      if (contacts_[i].collides) contacts_.set_closed(i, false);
     }
     bool struck = false;
     for (const std::size_t i : settled) {
-      if (system_.collides(i) && system_.contact(i).sign * system_.contact(i).of(w()) > 0.0) continue;
+      if (contacts_[i].collides && contacts_[i].sign * contacts_[i].of(w()) > 0.0) continue;
       starts_in_contact_ = true;
       differentiate_closing(t, i, start, approach);
-      const double velocity = struck ? system_.contact(i).of(w()) : system_.contact(i).of(approach);
-      struck = struck || system_.collides(i);
-      if (system_.collides(i))
+      const double velocity = struck ? contacts_[i].of(w()) : contacts_[i].of(approach);
+      struck = struck || contacts_[i].collides;
+      if (contacts_[i].collides)
         strike(t, i, velocity);
       else
         tell_event(t, i, Change::closing, velocity);
@@ -217,19 +220,19 @@ class StepwisePart {
   // The contact is closed from the start on: the bar comes to it with the velocities that it is given.
   void differentiate_closing(double t, std::size_t i, const State& start, const std::vector<double>& approach) {
     if (!sensitivities_) return;
-    if (system_.collides(i)) {  // after those that have struck before it
+    if (contacts_[i].collides) {  // after those that have struck before it
       changes_ = sensitivities_->before(t, t, i, false, y_);
       return;
     }
-    const bool closed = system_.closed(i);
+    const bool closed = contacts_.closed(i);
     const std::vector<double> settled = y_;
-    system_.set_closed(i, false);
+    contacts_.set_closed(i, false);
     std::ranges::copy(start.u, u().begin());
     std::ranges::copy(approach, w().begin());
     system_.complete_displacement(t, u());
     changes_ = sensitivities_->before(t, t, i, false, y_);
     std::copy_n(settled.begin(), 2 * layout_.nodes, y_.begin());
-    system_.set_closed(i, closed);
+    contacts_.set_closed(i, closed);
   }
 
   // The bar may come to an obstacle that moves within the step that begins at t: from there on the frame follows it. A
@@ -239,7 +242,7 @@ class StepwisePart {
     system_.complete_velocity(t, u(), w());
     const double after = t + rounding_of_times(t, times_.back());
     if (sensitivities_) sensitivities_->leave_frame(t, after, y_);
-    const double gained = system_.change_frame(system_.bar().following(), after, u(), w());
+    const double gained = change_frame(system_, system_.bar().following(), after, u(), w());
     if (layout_.work)
       y_[*layout_.work] -= gained;
     else if (observers_.energy)  // the other frame has a load
@@ -306,14 +309,14 @@ class StepwisePart {
 
   void restart(double t, Leg leg = Leg::next) {
     account_shift_ = {};
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
-      if (system_.closed(i)) system_.measure_from_obstacle(i, u());
-    leg_end_ = system_.begin_leg(t, times_.back());
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (contacts_.closed(i)) contacts_.measure(i, u());
+    leg_end_ = system_.load().begin_leg(t, times_.back());
     if (leg != Leg::same) pass_kink(t);
     follow_load(t);
     system_.complete_velocity(t, u(), w());
     if (ends_ && leg == Leg::first && filter_.acts()) {  // the data are of the range of an end
-      ends_->measure_from(system_.origin());
+      ends_->measure_from(contacts_.origin().values());
       ends_->begin(t, u(), w());
     }
     if (filter_.acts() && leg != Leg::same && !(leg == Leg::first && starts_in_contact_)) {
@@ -329,7 +332,7 @@ class StepwisePart {
     }
     if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
     if (ends_) {
-      ends_->measure_from(system_.origin());
+      ends_->measure_from(contacts_.origin().values());
       ends_->begin(t, u(), w());
     }
     if (!search_.selects()) select(true);
@@ -340,9 +343,9 @@ class StepwisePart {
   // the energy that it gives them is its work: that of a force which grows there as fast as one likes.
   void follow_load(double t) {
     const bool works = layout_.work && t == load_break_ && system_.bar().has_massless() && !system_.bar().damped();
-    const double before = works ? system_.energy(u(), w()) : 0.0;
+    const double before = works ? energy(contacts_, u(), w()) : 0.0;
     system_.complete_displacement(t, u());
-    if (works) y_[*layout_.work] += system_.energy(u(), w()) - before;
+    if (works) y_[*layout_.work] += energy(contacts_, u(), w()) - before;
   }
 
   // The stepper samples what the ends need from now on, and where asked for the search, each entry once.
@@ -361,19 +364,19 @@ class StepwisePart {
     const auto jump = system_.bar().kink(t, times_.back());
     if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump ? &*jump : nullptr, y_);
     if (!jump) return;
-    const double before = layout_.work ? system_.energy(u(), w()) : 0.0;
+    const double before = layout_.work ? energy(contacts_, u(), w()) : 0.0;
     system_.bar().pass_kink(*jump, u(), w());
-    system_.tie_joints(w());
+    tie_joints(contacts_, w());
     if (jump->displaces()) leave_obstacles(t, *jump);
-    if (layout_.work) y_[*layout_.work] += system_.energy(u(), w()) - before;
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) {
-      const std::size_t node = system_.contact(i).unknown;
-      if (!system_.collides(i) || !system_.closed(i) || system_.contact(i).joint > 0) continue;
+    if (layout_.work) y_[*layout_.work] += energy(contacts_, u(), w()) - before;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const std::size_t node = contacts_[i].unknown;
+      if (!contacts_.holds_mass(i) || contacts_[i].joint > 0) continue;
       // A kink of the other end's motion leaves a rounding.
       if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
-      system_.set_closed(i, false);
-      if (system_.contact(i).sign * w()[node] < 0.0)
+      contacts_.set_closed(i, false);
+      if (contacts_[i].sign * w()[node] < 0.0)
         strike(t, i, std::nullopt);
       else
         tell_event(t, i, Change::opening, w()[node]);
@@ -382,11 +385,11 @@ class StepwisePart {
 
   void leave_obstacles(double t, const FrameJump& jump) {
     const double largest = stepper_.weights().largest_displacement();
-    for (const std::size_t i : left_by_jump(system_, jump, t, u(), largest)) {
-      system_.set_closed(i, false);
+    for (const std::size_t i : left_by_jump(contacts_, jump, t, u(), largest)) {
+      contacts_.set_closed(i, false);
       system_.complete_velocity(t, u(), w());
       if (sensitivities_) changes_ = sensitivities_->let_go(t, i, y_);
-      tell_event(t, i, Change::opening, w()[system_.contact(i).unknown]);
+      tell_event(t, i, Change::opening, w()[contacts_[i].unknown]);
     }
   }
 
@@ -418,8 +421,8 @@ class StepwisePart {
     if (ends_) ends_->begin(end, u(), w());
     if (sensitivities_) sensitivities_->sum_up(end, y_);
     if (statistics_.energy) {
-      const double of_frame = system_.frame_energy(end, u(), w());
-      statistics_.energy->final = system_.energy(u(), w()) + of_frame;
+      const double of_frame = frame_energy(system_, end, u(), w());
+      statistics_.energy->final = energy(contacts_, u(), w()) + of_frame;
       if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
       if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
       if (layout_.end_inertia) statistics_.energy->end_inertia += y_[*layout_.end_inertia];
@@ -432,27 +435,28 @@ class StepwisePart {
   void switch_contacts(double t, double begin, double end) {
     system_.complete_velocity(t, u(), w());
     const auto switch_one = [&](std::size_t i) {
-      const bool opens = system_.closed(i);
-      const std::size_t node = system_.contact(i).unknown;
-      const auto velocity = [&] { return system_.contact(i).of(w()); };
+      const bool opens = contacts_.closed(i);
+      const std::size_t node = contacts_[i].unknown;
+      const auto velocity = [&] { return contacts_[i].of(w()); };
       const bool pulled = opens && i == search_.first_contact();
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
       const bool by_push = i == search_.first_contact() && search_.by_push();
       if (sensitivities_)
         changes_ = opens && t == load_break_ ? sensitivities_->let_go(t, i, y_)
                                              : sensitivities_->before(t, told, i, by_push, y_);
-      if (by_push && layout_.dissipated) y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * system_.stop_energy(i, u());
+      if (by_push && layout_.dissipated)
+        y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * contacts_[i].law.stop()->energy(-contacts_.clearance(i, u()));
       if (!opens) close(t, i, velocity());
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
-      if (!by_push && (!system_.bar().massless(node) || system_.bar().damped())) system_.place_on_obstacle(i, u());
+      if (!by_push && (!system_.bar().massless(node) || system_.bar().damped())) contacts_.place(i, u());
       if (opens) {
-        system_.set_closed(i, false);
-        if (pulled) give_back(system_.contact(i).sign * search_.held_back());
+        contacts_.set_closed(i, false);
+        if (pulled) give_back(contacts_[i].sign * search_.held_back());
         // A rounding of its penetration is a velocity of a node without mass.
-        if (system_.changes_by_row(i)) system_.complete_velocity(t, u(), w());
+        if (contacts_[i].changes_by_row) system_.complete_velocity(t, u(), w());
         tell_event(told, i, Change::opening, velocity());
-        if (!system_.stop(i) &&
-            (system_.is_passed_over(i, end - begin) || system_.has_come_to_rest(i, t - watchdog_.last_change())))
+        if (!contacts_[i].law.stop() &&
+            (contacts_[i].is_passed_over(end - begin) || contacts_[i].has_come_to_rest(t - watchdog_.last_change())))
           weigh_opening({system_, layout_, stepper_}, i, {t, begin, end, watchdog_.last_change(), load_break_}, inner_,
                         statistics_.late_opening);
       }
@@ -461,7 +465,7 @@ class StepwisePart {
     search_.look_at(begin, t);
     const std::size_t first = search_.first_contact();
     switch_one(first);  // it may be told of a time before t
-    for (std::size_t i = 0; i < system_.contact_count(); ++i)
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (i != first && search_.changes(i, t, y_)) switch_one(i);
     watchdog_.change(t, search_.first_contact());
     distrust_toggling();
@@ -473,16 +477,16 @@ class StepwisePart {
     const auto kinetic = [&] { return 0.5 * system_.bar().inertia().quadratic_form(w()); };
     const double before = kinetic();
     for (std::size_t i = 0; i < layout_.nodes; ++i)
-      if (!system_.held(i)) w()[i] += velocity;
+      if (!contacts_.held(i)) w()[i] += velocity;
     if (layout_.dissipated) y_[*layout_.dissipated] -= kinetic() - before;
   }
 
   // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.
   void close(double t, std::size_t i, double velocity) {
-    if (system_.collides(i)) return strike(t, i, velocity);
+    if (contacts_[i].collides) return strike(t, i, velocity);
     tell_event(t, i, Change::closing, velocity);
-    system_.set_closed(i, true);
-    watchdog_.close(t, system_.contact(i).unknown + system_.bar().first_node(), system_.contact_rate(i));
+    contacts_.set_closed(i, true);
+    watchdog_.close(t, contacts_[i].unknown + system_.bar().first_node(), contacts_[i].rate);
   }
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
@@ -491,17 +495,18 @@ class StepwisePart {
   // strikes, or an obstacle moves in by more than half of that velocity and turns back, it is one.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
-    const double h = system_.bar().stretch_at(system_.contact(i).unknown);
+    const double h = system_.bar().stretch_at(contacts_[i].unknown);
     std::vector<double> change(w().begin(), w().end());
-    const PenalisedSystem::Collision collision = system_.collide(
-        i, t, u(), w(), {weights.negligible_bounce(i), weights.negligible_reaction(h), weights.promised_velocity()});
+    const Collision collision =
+        collide(system_, i, t, u(), w(),
+                {weights.negligible_bounce(i), weights.negligible_reaction(h), weights.promised_velocity()});
     weights.bounce(i, collision.height);
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
-    const double leaves = system_.contact(i).of(w());
-    const bool of_scene = system_.bar().mass_at(system_.contact(i)) > 0.0 ||
-                          (system_.contact(i).joint > 0 && !system_.is_of_bar(i)) ||
-                          2.0 * system_.contact(i).sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
+    const double leaves = contacts_[i].of(w());
+    const bool of_scene = system_.bar().mass_at(contacts_[i]) > 0.0 ||
+                          (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
+                          2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
     const bool counts =
         collision.rests || leaves != 0.0 || !closing || (std::abs(*closing) > weights.promised_velocity() && of_scene);
     if (closing && counts)
@@ -513,10 +518,10 @@ class StepwisePart {
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     for (const std::size_t k : collision.released) {
       if (sensitivities_) sensitivities_->lose(t, "an impact opens another contact", y_);
-      tell_event(t, k, Change::opening, system_.contact(k).of(w()));
+      tell_event(t, k, Change::opening, contacts_[k].of(w()));
     }
     if (collision.rests)
-      system_.set_closed(i, true);
+      contacts_.set_closed(i, true);
     else if (counts)
       tell_event(t, i, Change::opening, leaves);
   }
@@ -532,7 +537,7 @@ class StepwisePart {
   // The velocity of the frame at a contact is that of its obstacle.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
-    return bar.moving() ? bar.lift_at(system_.contact(i), bar.lift(t, 1)) : 0.0;
+    return bar.moving() ? bar.lift_at(contacts_[i], bar.lift(t, 1)) : 0.0;
   }
 
   // A closing that is not told yet, and when its node struck last.
@@ -547,7 +552,7 @@ class StepwisePart {
     if (!withheld_ || withheld_->contact != i) return false;
     const Mesh& mesh = system_.bar().mesh();
     const Bar& bar = system_.bar().bar();
-    const Contact& contact = system_.contact(i);
+    const Contact& contact = contacts_[i];
     const double h = mesh.element(contact.joint > 0              ? system_.bar().element_at(contact.unknown)
                                   : contact.where == Where::left ? 0
                                                                  : mesh.elements - 1);
@@ -565,14 +570,12 @@ class StepwisePart {
   void tell_closing(double t, std::size_t i, double velocity) {
     if (!goes_on(t, i)) return tell_event(t, i, Change::closing, velocity);
     const Withheld first = *std::exchange(withheld_, std::nullopt);
-    notifier_.event(first.time, system_.bar(), system_.contact(i), Change::closing, first.velocity,
-                    first.sensitivities);
+    notifier_.event(first.time, system_.bar(), contacts_[i], Change::closing, first.velocity, first.sensitivities);
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     withheld_.reset();  // events are told in their order
-    notifier_.event(t, system_.bar(), system_.contact(i), change, velocity + frame_velocity(t, i),
-                    sensitivities_at(t, i));
+    notifier_.event(t, system_.bar(), contacts_[i], change, velocity + frame_velocity(t, i), sensitivities_at(t, i));
   }
 
   std::vector<ChangeSensitivity> sensitivities_at(double t, std::size_t i) const {
@@ -590,12 +593,13 @@ class StepwisePart {
       now.energy = snapshot_.energy(now, u());
       now.energy->end_inertia = statistics_.energy->end_inertia + entry(layout_.end_inertia);
       now.energy->dissipated = entry(layout_.dissipated) + now.energy->end_inertia;
-      now.energy->work = entry(layout_.work) + system_.frame_energy(t, u(), w());
+      now.energy->work = entry(layout_.work) + frame_energy(system_, t, u(), w());
     }
     notifier_.snapshot(now);
   }
 
   PenalisedSystem& system_;
+  Contacts& contacts_;
   Layout layout_;
   LegStepper& stepper_;
   Statistics& statistics_;

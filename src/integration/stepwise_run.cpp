@@ -33,7 +33,7 @@ PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalt
   StepwisePart run(system, layout, *stepper, statistics, times, observers, begin_of(start, times), sensitivities);
   const auto conclude = [&] {
     statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
-    statistics.load_evaluations = before + system.load_evaluations();
+    statistics.load_evaluations = before + system.load().evaluations();
     run.count_seconds();
   };
   const auto explain = [&](Failure why, const std::exception& cause) {

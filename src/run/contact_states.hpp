@@ -5,32 +5,32 @@
 #include <type_traits>
 #include <vector>
 
-#include "dynamics/penalised_system.hpp"
+#include "dynamics/contacts.hpp"
 
 namespace viscobar {
 
-/// Which contacts of a (const) PenalisedSystem are closed, and which have been measured from, as an archive takes and
+/// Which of (const) Contacts are closed, and which have been measured from, as an archive takes and
 /// gives it.
-template <class System>
+template <class Of>
 struct ContactStates {
-  System& system;
+  Of& contacts;
 
   static void members(auto& states, auto&& each) {
-    System& system = states.system;
-    std::vector<unsigned char> closed(system.contact_count()), measured(closed);
+    Of& contacts = states.contacts;
+    std::vector<unsigned char> closed(contacts.size()), measured(closed);
     for (std::size_t i = 0; i < closed.size(); ++i) {
-      closed[i] = system.closed(i);
-      measured[i] = system.measured_from_obstacle(i);
+      closed[i] = contacts.closed(i);
+      measured[i] = contacts.measured(i);
     }
     each(std::span(closed), std::span(measured));
-    if constexpr (!std::is_const_v<System>)
+    if constexpr (!std::is_const_v<Of>)
       for (std::size_t i = 0; i < closed.size(); ++i) {
-        system.set_closed(i, closed[i] != 0);
-        if (measured[i]) system.measure_from_obstacle(i, {});  // as the archived state is
+        contacts.set_closed(i, closed[i] != 0);
+        if (measured[i]) contacts.measure(i, {});  // as the archived state is
       }
   }
 };
-template <class System>
-ContactStates(System&) -> ContactStates<System>;
+template <class Of>
+ContactStates(Of&) -> ContactStates<Of>;
 
 }  // namespace viscobar

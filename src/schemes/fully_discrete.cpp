@@ -106,7 +106,7 @@ class Run {
 
   void watch_breaks(double t) {
     if (!settled_) settled_.emplace(system_, Penalty{0.0, 0.0});
-    next_break_ = settled_->begin_leg(t, times_.back());
+    next_break_ = settled_->load().begin_leg(t, times_.back());
   }
 
   JumpFilter::Taken settle_start(State& start) {
@@ -122,7 +122,7 @@ class Run {
   double enter_break(double t) {
     const double share = ahead() == 0.0 ? 1.0 : std::clamp((t + ahead() - next_break_) / scheme_.step, 0.0, 1.0);
     if (share < 1.0) begun_.push_back({next_break_, 1.0 - share});
-    next_break_ = settled_->begin_leg(next_break_, times_.back());
+    next_break_ = settled_->load().begin_leg(next_break_, times_.back());
     return share;
   }
 
@@ -140,12 +140,12 @@ class Run {
 
   void pass_break(double t, double share) {
     const auto& contacts = step_->contacts();
-    for (std::size_t i = 0; i < settled_->contact_count(); ++i) {
+    Contacts& settled = settled_->contacts();
+    for (std::size_t i = 0; i < settled.size(); ++i) {
       bool held = false;
       for (std::size_t k = 0; k < contacts.size(); ++k)
-        held |= active_[k] && contacts[k].unknown == settled_->contact(i).unknown &&
-                contacts[k].sign == settled_->contact(i).sign;
-      settled_->set_closed(i, held);
+        held |= active_[k] && contacts[k].unknown == settled[i].unknown && contacts[k].sign == settled[i].sign;
+      settled.set_closed(i, held);
     }
     std::vector<double> u(system_.size()), p(u);
     step_->order().to_nodes([&](std::size_t i) { return step_->u()[i]; }, u);

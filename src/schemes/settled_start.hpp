@@ -14,8 +14,8 @@ inline JumpFilter::Taken settle_high_modes(JumpFilter& filter, PenalisedSystem& 
                                            State& start) {
   State touched = start;
   settled.settle(begin, touched.u, touched.v);
-  for (std::size_t i = 0; i < settled.contact_count(); ++i)
-    if (settled.closed(i)) return {};
+  for (std::size_t i = 0; i < settled.contacts().size(); ++i)
+    if (settled.contacts().closed(i)) return {};
   const NaturalScales scales = natural_scales(settled.bar(), end);
   const double rounding = 1e-12;
   return filter.begin(settled, begin, {rounding * scales.displacement, rounding * scales.velocity()}, start.u, start.v);

@@ -7,6 +7,9 @@
 #include <numeric>
 #include <random>
 
+#include "dynamics/contact_forces.hpp"
+#include "dynamics/energy_terms.hpp"
+#include "dynamics/indicator.hpp"
 #include "support/random_vector.hpp"
 
 namespace viscobar::testing_penalised_system {
@@ -29,7 +32,7 @@ TEST(PenalisedSystem, DynamicStiffnessIsTheDerivativeOfTheForce) {
     for (const EndCondition& right : {EndCondition{Free{}}, EndCondition{Fixed{}}, EndCondition{Obstacle{0.3}}}) {
       const BarSystem bar(scene_with(Obstacle{0.1}, right, 0.7), Mesh{1.5, 8}, mass);
       PenalisedSystem system(bar, Penalty{0.01, 0.5});
-      for (std::size_t i = 0; i < system.contact_count(); ++i) system.set_closed(i, true);
+      for (std::size_t i = 0; i < system.contacts().size(); ++i) system.contacts().set_closed(i, true);
       const std::size_t n = system.size();
       const double m = 1.7, c = 0.6, k = 0.9;
       const auto u = random_vector(n, 1), w = random_vector(n, 2), x = random_vector(n, 3);
@@ -52,7 +55,7 @@ TEST(PenalisedSystem, DynamicStiffnessIsTheDerivativeOfTheForce) {
 TEST(PenalisedSystem, ForceDoesTheWorkThatTheEnergyLoses) {
   const BarSystem bar(scene_with(Obstacle{0.0}, Fixed{}, 0.4), Mesh{1.5, 6}, Mass::consistent);
   PenalisedSystem system(bar, Penalty{0.02, 0.3});
-  system.set_closed(0, true);
+  system.contacts().set_closed(0, true);
   auto u = random_vector(system.size(), 4);
   const auto w = random_vector(system.size(), 5);
   u[0] = -0.5;  // penetrates
@@ -65,16 +68,16 @@ TEST(PenalisedSystem, ForceDoesTheWorkThatTheEnergyLoses) {
   auto potential = [&](double s) {
     std::vector<double> moved(u);
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += s * w[i];
-    return system.energy(moved, still);
+    return energy(system.contacts(), moved, still);
   };
   const double rate = (potential(step) - potential(-step)) / (2 * step);
-  EXPECT_NEAR(power, -rate - system.dissipated_power(w), 1e3 * 2.3e-16 / step);
+  EXPECT_NEAR(power, -rate - dissipated_power(system.contacts(), w), 1e3 * 2.3e-16 / step);
 }
 
 TEST(PenalisedSystem, MasslessVelocityBalancesItsRow) {
   const BarSystem bar(scene_with(Obstacle{0.1}, Obstacle{0.1}, 0.7), Mesh{1.5, 8}, Mass::redistributed);
   PenalisedSystem system(bar, Penalty{0.01});
-  system.set_closed(0, true);
+  system.contacts().set_closed(0, true);
   const auto u = random_vector(system.size(), 6);
   auto w = random_vector(system.size(), 7);
   system.complete_velocity(0.0, u, w);
@@ -89,7 +92,7 @@ TEST(PenalisedSystem, UndampedMasslessDisplacementBalancesItsRow) {
   const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, 0.0), Mesh{1.5, 8}, Mass::redistributed);
   PenalisedSystem system(bar, Penalty{0.01});
   for (const bool closed : {false, true}) {
-    system.set_closed(0, closed);
+    system.contacts().set_closed(0, closed);
     auto u = random_vector(system.size(), 8);
     const auto w = random_vector(system.size(), 9);
     system.complete_displacement(0.0, u);
@@ -116,7 +119,7 @@ TEST(PenalisedSystem, StartsClosedOnlyWhenPressedIn) {
     PenalisedSystem system(bar, Penalty{0.01});
     State state = bar.initial_state();
     system.settle(0.0, state.u, state.v);
-    EXPECT_EQ(system.closed(0), start.closed)
+    EXPECT_EQ(system.contacts().closed(0), start.closed)
         << "u " << start.displacement << ", v " << start.velocity << ", f " << start.load;
   }
 }
@@ -126,7 +129,7 @@ TEST(PenalisedSystem, ASpringThatGivesWayByLessThanRoundingHoldsItsMasslessNode)
   const double h = 1.5 / 6, modulus = 3.0, twice = 2.0 * h * std::sqrt(modulus * 2.0);
   const auto holds = [&](double kappa, double viscosity, Mass mass) {
     const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, viscosity), Mesh{1.5, 6}, mass);
-    return PenalisedSystem(bar, Penalty{h / (kappa * modulus)}).holds(0);
+    return PenalisedSystem(bar, Penalty{h / (kappa * modulus)}).contacts()[0].holds;
   };
   EXPECT_FALSE(holds(4e15, 0.0, Mass::redistributed));
   EXPECT_TRUE(holds(5e15, 0.0, Mass::redistributed));
@@ -140,28 +143,28 @@ TEST(PenalisedSystem, MeasuredFromItsObstacleABarFeelsTheSameForces) {
     for (const double viscosity : {0.0, 0.7}) {
       const BarSystem bar(scene_with(Obstacle{0.1}, Obstacle{0.3}, viscosity), Mesh{1.5, 6}, mass);
       PenalisedSystem system(bar, Penalty{0.01});
-      system.set_closed(0, true);
+      system.contacts().set_closed(0, true);
       std::vector<double> u = random_vector(7, 1), w = random_vector(7, 2), before(7), after(7);
       system.complete_displacement(0.0, u);
       system.complete_velocity(0.0, u, w);
       const std::vector<double> displacement = u, velocity = w;
-      const double energy = system.energy(u, w), reaction = system.reactions(0.0, u, w)[0];
+      const double energy = viscobar::energy(system.contacts(), u, w), reaction = reactions(system, 0.0, u, w)[0];
       system.force(0.0, u, w, before);
-      system.measure_from_obstacle(0, u);
-      system.measure_from_obstacle(1, u);
+      system.contacts().measure(0, u);
+      system.contacts().measure(1, u);
       EXPECT_EQ(u[0], displacement[0] + 0.1);
-      EXPECT_EQ(system.clearance(0, u), u[0]);
+      EXPECT_EQ(system.contacts().clearance(0, u), u[0]);
       system.complete_displacement(0.0, u);
       system.complete_velocity(0.0, u, w);
       system.force(0.0, u, w, after);
       for (std::size_t i = 0; i < 7; ++i) {
-        EXPECT_NEAR(u[i] + system.origin()[i], displacement[i], 1e-14);
+        EXPECT_NEAR(u[i] + system.contacts().origin().values()[i], displacement[i], 1e-14);
         EXPECT_NEAR(w[i], velocity[i], 1e-12);
         EXPECT_NEAR(after[i], before[i], 1e-11) << i;
       }
-      EXPECT_NEAR(system.energy(u, w), energy, 1e-12 * energy);
-      EXPECT_NEAR(system.reactions(0.0, u, w)[0], reaction, 1e-12);
-      EXPECT_DOUBLE_EQ(system.largest_displacement(u),
+      EXPECT_NEAR(viscobar::energy(system.contacts(), u, w), energy, 1e-12 * energy);
+      EXPECT_NEAR(reactions(system, 0.0, u, w)[0], reaction, 1e-12);
+      EXPECT_DOUBLE_EQ(system.contacts().origin().largest_displacement(u),
                        std::abs(*std::ranges::max_element(displacement, {}, [](double x) { return std::abs(x); })));
     }
 }
@@ -171,12 +174,12 @@ TEST(PenalisedSystem, APenetrationFarBelowTheRoundingOfTheGapGivesItsReaction) {
   const BarSystem bar(scene_with(Obstacle{0.1}, Free{}, 0.7), Mesh{1.5, 6}, Mass::consistent);
   PenalisedSystem system(bar, Penalty{epsilon});
   std::vector<double> u(7, -0.1), w(7, 0.0);
-  system.set_closed(0, true);
-  system.measure_from_obstacle(0, u);
+  system.contacts().set_closed(0, true);
+  system.contacts().measure(0, u);
   u[0] = -epsilon * force;
-  EXPECT_DOUBLE_EQ(system.reactions(0.0, u, w)[0], force);
+  EXPECT_DOUBLE_EQ(reactions(system, 0.0, u, w)[0], force);
   // The rounding error of its clearance, as a reaction, is below the rounding of the strain beside it.
-  EXPECT_LT(system.indicator_rounding(0, 0.1) / epsilon, 64.0 * 0.2 * 3.0 / 0.25 * 2.3e-16);
+  EXPECT_LT(Indicators(system.contacts(), system.load()).rounding(0, 0.1) / epsilon, 64.0 * 0.2 * 3.0 / 0.25 * 2.3e-16);
 }
 
 TEST(PenalisedSystem, EvaluatesNoLoadWhereThereIsNone) {
@@ -185,8 +188,8 @@ TEST(PenalisedSystem, EvaluatesNoLoadWhereThereIsNone) {
   std::vector<double> out(system.size());
   const State state = bar.initial_state();
   system.force(0.0, state.u, state.v, out);
-  EXPECT_FALSE(system.loaded());
-  EXPECT_EQ(system.load_evaluations(), 0u);
+  EXPECT_FALSE(system.load().acts());
+  EXPECT_EQ(system.load().evaluations(), 0u);
 }
 
 }  // namespace

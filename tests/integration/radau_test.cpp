@@ -129,7 +129,7 @@ TEST(ShiftedSystems, SolveTheirEquationsForEveryMassSizeAndContact) {
         scene.displacement = scene.velocity = [](double) { return 0.0; };
         const BarSystem bar(scene, {1.0, elements}, mass);
         PenalisedSystem system(bar, {0.0, 0.0});
-        system.set_closed(1, closed);
+        system.contacts().set_closed(1, closed);
         const std::size_t n = system.size();
         const auto count = static_cast<Eigen::Index>(n);
         std::vector<double> force(n), rate(n);

@@ -49,7 +49,7 @@ class Simulation {
       laws_.push_back(penalty_law(law, contact.weight, bar_.contact_mass(contact)));
     load_.assign(n_, 0);
     PenalisedSystem loaded(bar_, law);
-    for (std::size_t i = 0; i < n_; ++i) load_[i] = loaded.load(i, 0.0);  // steady
+    for (std::size_t i = 0; i < n_; ++i) load_[i] = loaded.load().at(i, 0.0);  // steady
     y_.assign(m_, 1);
     for (std::size_t i = 0; i < n_; ++i) {
       y_[i] = Real(bar_.initial_state().u[i]) + offset(i);

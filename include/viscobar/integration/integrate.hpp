@@ -138,7 +138,7 @@ struct Exponential {
 
 /// The limit epsilon = 0: a closed contact holds its node at -gap, its reaction is the residual of the node's row,
 /// and it opens when the reaction reaches zero. A node with mass has an impact where it closes, v+ = -e v, the other
-/// rows keeping their momentum (see PenalisedSystem::collide()); bounces that accumulate end in rest. By ARKODE's
+/// rows keeping their momentum (see collide()); bounces that accumulate end in rest. By ARKODE's
 /// formulas; by CVODE's of Adams where nothing dissipates and every node has mass. No span obstacle.
 struct Rigid {
   Tolerance tolerance;       ///< of the solution

@@ -107,20 +107,20 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
     const Index shared = std::min(load.cols(), result.size());
     if (shared > 0)
       result.head(shared) += load.row(node(c)).head(shared).transpose() *
-                             (system_.stretch_at(penalised_.contact(c).unknown) / system_.bar().modulus);
+                             (system_.stretch_at(penalised_.contacts()[c].unknown) / system_.bar().modulus);
   } else {
     result = series.row(node(c)).transpose();
-    if (penalised_.contact(c).joint > 0) result -= series.row(node(c) - 1).transpose();
+    if (penalised_.contacts()[c].joint > 0) result -= series.row(node(c) - 1).transpose();
   }
   result[0] -= propagators_.surface(c);
-  const bool inwards = penalised_.closed(c) == (penalised_.contact(c).sign > 0.0);
+  const bool inwards = penalised_.contacts().closed(c) == (penalised_.contacts()[c].sign > 0.0);
   return inwards ? VectorXd(-result) : result;
 }
 
 double ContactDistance::band(std::size_t c, const Largest& largest) const {
-  if (penalised_.closed(c) && !follows(c))
+  if (penalised_.contacts().closed(c) && !follows(c))
     return 32.0 * rounding * (largest.penetration + std::abs(propagators_.surface(c)));
-  return penalised_.clearance_rounding(c, largest.displacement);
+  return penalised_.contacts()[c].clearance_rounding(largest.displacement);
 }
 
 // A massless node's velocity is a difference of forces over its viscosity: what the roundings of a strain and of the
@@ -129,8 +129,8 @@ double ContactDistance::band(std::size_t c, const Largest& largest) const {
 double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& largest) const {
   if (!system_.damped() || !massless(c)) return 0.0;
   const Bar& bar = system_.bar();
-  const double spring =
-      penalised_.law(c).stiffness * system_.stretch_at(penalised_.contact(c).unknown) * largest.penetration;
+  const double spring = penalised_.contacts()[c].law.linear().stiffness *
+                        system_.stretch_at(penalised_.contacts()[c].unknown) * largest.penetration;
   return 8.0 * rounding * (largest.displacement * bar.modulus + spring) / bar.viscosity * tau;
 }
 
@@ -138,7 +138,7 @@ std::optional<ContactDistance::Push> ContactDistance::push(std::size_t c, const 
                                                            const Largest& largest) const {
   if (lags_.empty() || lags_[c] == 0.0) return std::nullopt;
   const double rounded = band(c, largest);
-  if (!penalised_.closed(c) && d[0] >= -rounded) return std::nullopt;
+  if (!penalised_.contacts().closed(c) && d[0] >= -rounded) return std::nullopt;
   Push push{d.head(d.size() - 1), rounded};
   for (Index k = 0; k < push.along.size(); ++k) {
     const double rate = lags_[c] / tau * static_cast<double>(k + 1) * d[k + 1];
@@ -163,7 +163,7 @@ ContactDistance::Samples ContactDistance::samples(std::size_t c, const std::vect
 bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                  double t, double tau, double whole, const Largest& largest) const {
   const auto [values, slopes] = samples(c, motion, p);
-  const Contact& contact = penalised_.contact(c);
+  const Contact& contact = penalised_.contacts()[c];
   const double nearest = SampledRange(values, slopes).lowest() - contact.gap;
   return !may_reach_within(
       whole, [&](double at) { return nearest + system_.gap(contact, at); }, breaks_of_gap(system_, contact),
@@ -191,7 +191,7 @@ bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& moti
                                   double& penetration) const {
   const auto [values, slopes] = samples(c, motion, p);
   const SampledRange range(values, slopes);
-  const bool lets_go = !lags_.empty() && lags_[c] > 0.0, closed = penalised_.closed(c);
+  const bool lets_go = !lags_.empty() && lags_[c] > 0.0, closed = penalised_.contacts().closed(c);
   if (lets_go && closed && !keeps_push(c, motion, p, tau, largest)) return false;
   if (range.lowest() < -band(c, largest)) return lets_go && !closed && keeps_push(c, motion, p, tau, largest);
   if (!closed) return true;
@@ -203,10 +203,10 @@ bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& moti
 
 double ContactDistance::cancelled_power(double penetration) const {
   double power = 0.0;
-  for (std::size_t c = 0; c < penalised_.contact_count(); ++c) {
-    if (!system_.damped() || !massless(c) || !penalised_.closed(c)) continue;
-    const double force = penalised_.law(c).stiffness * penetration;
-    power += force * force * system_.stretch_at(penalised_.contact(c).unknown) / system_.bar().viscosity;
+  for (std::size_t c = 0; c < penalised_.contacts().size(); ++c) {
+    if (!system_.damped() || !massless(c) || !penalised_.contacts().closed(c)) continue;
+    const double force = penalised_.contacts()[c].law.linear().stiffness * penetration;
+    power += force * force * system_.stretch_at(penalised_.contacts()[c].unknown) / system_.bar().viscosity;
   }
   return power;
 }

@@ -41,7 +41,7 @@ std::optional<double> first_passage(const Eigen::VectorXd& c, double band);
 /// An undamped massless node has no displacement of its own in y: it follows its neighbour and the load, and is judged
 /// by where it would be were it open, since a stiff contact leaves no digits of its own displacement.
 ///
-/// A stop with k and c lets go (see PenalisedSystem::push_weights): it changes where d + (c/k) d' < 0, from closed, and
+/// A stop with k and c lets go (see push_weights()): it changes where d + (c/k) d' < 0, from closed, and
 /// from open behind its surface. There the node moves out as long as that is positive: d' > (k/c) |d|.
 class ContactDistance {
  public:
@@ -56,14 +56,14 @@ class ContactDistance {
   ContactDistance(const BarSystem& system, const PenalisedSystem& penalised, const PropagatorCache& propagators,
                   const LoadInterpolation& load)
       : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {
-    for (std::size_t c = 0; c < penalised.contact_count(); ++c)
-      if (const Stop* stop = penalised.stop(c); stop && stop->damping > 0.0) {
-        lags_.resize(penalised.contact_count());
+    for (std::size_t c = 0; c < penalised.contacts().size(); ++c)
+      if (const Stop* stop = penalised.contacts()[c].law.stop(); stop && stop->damping > 0.0) {
+        lags_.resize(penalised.contacts().size());
         lags_[c] = stop->damping / stop->stiffness;
       }
   }
 
-  Index node(std::size_t c) const { return static_cast<Index>(penalised_.contact(c).unknown); }
+  Index node(std::size_t c) const { return static_cast<Index>(penalised_.contacts()[c].unknown); }
   /// True if the node of contact c has no displacement of its own.
   bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
 
@@ -81,7 +81,9 @@ class ContactDistance {
   std::optional<Push> push(std::size_t c, const Eigen::VectorXd& d, double tau, const Largest& largest) const;
 
   /// Penetration per d while contact c is closed.
-  double penetration_share(std::size_t c) const { return follows(c) ? penalised_.penetration_share(c) : 1.0; }
+  double penetration_share(std::size_t c) const {
+    return follows(c) ? penalised_.contacts()[c].penetration_share() : 1.0;
+  }
 
   /// How far behind zero d passes for a change. Closing, its rounding. Opening, less where it can be: a stiff contact
   /// has penetrations of that size, and would hold the bar back until its pull exceeds them.
@@ -103,7 +105,7 @@ class ContactDistance {
   double cancelled_power(double penetration) const;
 
  private:
-  bool massless(std::size_t c) const { return system_.massless(penalised_.contact(c).unknown); }
+  bool massless(std::size_t c) const { return system_.massless(penalised_.contacts()[c].unknown); }
   struct Samples {
     std::array<double, 5> values;
     std::array<double, 3> slopes;

@@ -184,20 +184,21 @@ PropagatorCache::PropagatorCache(const PenalisedSystem& system, const LoadInterp
       origin_(VectorXd::Zero(static_cast<Index>(system.size()))) {}
 
 void PropagatorCache::measure_from_obstacle(std::size_t c) {
-  origin_[node(c)] = -system_.contact(c).sign * system_.contact(c).gap;
+  origin_[node(c)] = -system_.contacts()[c].sign * system_.contacts()[c].gap;
   entries_.clear();
 }
 
 Propagator& PropagatorCache::present() {
-  std::vector<bool> state(system_.contact_count());
-  for (std::size_t c = 0; c < state.size(); ++c) state[c] = system_.closed(c);
+  std::vector<bool> state(system_.contacts().size());
+  for (std::size_t c = 0; c < state.size(); ++c) state[c] = system_.contacts().closed(c);
   const auto known = std::ranges::find(entries_, state, &Entry::closed);
   if (known != entries_.end()) {
     std::rotate(known, known + 1, entries_.end());
   } else {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
-      if (state[c]) closed.push_back({node(c), surface(c), system_.law(c), system_.contact(c).joint > 0});
+      if (state[c])
+        closed.push_back({node(c), surface(c), system_.contacts()[c].law.linear(), system_.contacts()[c].joint > 0});
     for (const Support& support : system_.bar().supports()) {
       const auto at = static_cast<Index>(support.unknown);
       closed.push_back({at, -origin_[at], {support.stiffness, support.dashpot}, false});

@@ -74,12 +74,12 @@ class PropagatorCache {
   double inverse_inertia() const { return inverse_inertia_; }
   /// Where contact c begins, measured from the origin.
   double surface(std::size_t c) const {
-    const Contact& contact = system_.contact(c);
+    const Contact& contact = system_.contacts()[c];
     return -contact.sign * contact.gap - contact.of({origin_.data(), static_cast<std::size_t>(origin_.size())});
   }
 
  private:
-  Index node(std::size_t c) const { return static_cast<Index>(system_.contact(c).unknown); }
+  Index node(std::size_t c) const { return static_cast<Index>(system_.contacts()[c].unknown); }
 
   struct Entry {
     std::vector<bool> closed;

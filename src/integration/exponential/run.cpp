@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/energy_terms.hpp"
 #include "integration/approach.hpp"
 #include "run/step_failure.hpp"
 
@@ -40,7 +41,7 @@ PartEnd Run::operator()(const StartingPoint& start) {
 
 Statistics Run::reached() {
   statistics_.reached_time = t_;
-  statistics_.load_evaluations = load_evaluations_before_ + load_.evaluations() + penalised_.load_evaluations();
+  statistics_.load_evaluations = load_evaluations_before_ + load_.evaluations() + penalised_.load().evaluations();
   notifier_.count_seconds();
   return statistics_;
 }
@@ -54,11 +55,11 @@ void Run::fail(Failure why, const std::exception& cause) {
 double Run::energy_of_followers() {
   if (!statistics_.energy || !system_.has_massless() || system_.damped()) return 0.0;
   const std::vector<double> w(system_.size());
-  return penalised_.energy(displacement(), w);
+  return energy(penalised_.contacts(), displacement(), w);
 }
 
 void Run::enter_piece() {
-  piece_end_ = penalised_.begin_leg(t_, times_.back());
+  piece_end_ = penalised_.load().begin_leg(t_, times_.back());
   load_.enter(t_, times_.back());
 }
 
@@ -70,7 +71,7 @@ void Run::pass_kink() {
   const auto velocities = y_.tail(leg().size() - leg().displacements());
   std::ranges::copy(velocities, w.begin() + first);
   std::vector<double> change = w;
-  const double before = penalised_.energy(u, w);
+  const double before = energy(penalised_.contacts(), u, w);
   system_.pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   if (ends_ && !jump->displaces()) ends_->pass_kink(change);
@@ -78,7 +79,7 @@ void Run::pass_kink() {
     y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
   for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
   if (jump->displaces()) leave_obstacles(*jump, u, w);
-  if (statistics_.energy) statistics_.energy->work += penalised_.energy(u, w) - before;
+  if (statistics_.energy) statistics_.energy->work += energy(penalised_.contacts(), u, w) - before;
 }
 
 void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w) {
@@ -88,11 +89,11 @@ void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<
     for (std::size_t i = 0; i < u.size(); ++i) measured[i] -= propagators_.origin()[static_cast<Index>(i)];
     ends_->enter_frame(measured, w);
   }
-  for (const std::size_t c : left_by_jump(penalised_, jump, t_, u, largest_displacement_)) {
-    penalised_.set_closed(c, false);
+  for (const std::size_t c : left_by_jump(penalised_.contacts(), jump, t_, u, largest_displacement_)) {
+    penalised_.contacts().set_closed(c, false);
     penalised_.complete_displacement(t_, u);
     penalised_.complete_velocity(t_, u, w);
-    tell_change(c, penalised_.contact(c).of(w));
+    tell_change(c, penalised_.contacts()[c].of(w));
   }
   begin_leg();
 }
@@ -110,7 +111,7 @@ std::vector<double> Run::displacement() {
 void Run::settle_high_modes(bool starting) {
   if (!filter_.acts()) return;
   for (std::size_t c = 0; c < contacts(); ++c)
-    if (starting && penalised_.closed(c)) return;
+    if (starting && penalised_.contacts().closed(c)) return;
   std::vector<double> u = displacement(), w(system_.size());
   const Index n = leg().displacements();
   std::copy_n(y_.data() + n, n, w.begin());
@@ -150,16 +151,16 @@ void Run::begin(const State& start) {
     ends_->begin(t_, state.u, state.v);
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
-    if (!penalised_.closed(c)) continue;
-    statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.clearance(c, state.u));
+    if (!penalised_.contacts().closed(c)) continue;
+    statistics_.max_penetration = std::max(statistics_.max_penetration, -penalised_.contacts().clearance(c, state.u));
     measure_from_obstacle(c);
-    tell_change(c, penalised_.contact(c).of(approach));
+    tell_change(c, penalised_.contacts()[c].of(approach));
   }
   begin_leg();
   statistics_.unknowns = static_cast<std::size_t>(y_.size());
   if (observers_.energy) {
-    energy_scale_ = penalised_.energy(state.u, state.v);
-    const double of_frame = penalised_.frame_energy(t_, state.u, state.v);
+    energy_scale_ = energy(penalised_.contacts(), state.u, state.v);
+    const double of_frame = frame_energy(penalised_, t_, state.u, state.v);
     statistics_.energy = {.initial = energy_scale_ + of_frame, .work = -of_frame};
   }
   if (filter_.acts()) {
@@ -193,9 +194,9 @@ void Run::watch_ends() {
 }
 
 void Run::measure_from_obstacle(std::size_t closing) {
-  if (distance_.follows(closing) || measured_[closing] || penalised_.contact(closing).joint > 0) return;
+  if (distance_.follows(closing) || measured_[closing] || penalised_.contacts()[closing].joint > 0) return;
   for (std::size_t c = 0; c < contacts(); ++c) {
-    const Contact &one = penalised_.contact(c), &other = penalised_.contact(closing);
+    const Contact &one = penalised_.contacts()[c], &other = penalised_.contacts()[closing];
     if (one.where != other.where || one.sign != other.sign) continue;
     measured_[c] = 1;
     y_[node(c)] += propagators_.origin()[node(c)] + one.sign * one.gap;
@@ -264,8 +265,8 @@ bool Run::take_long_step(double tau) {
   if (contacts() > 0) ++statistics_.event_evaluations;
   double penetration = statistics_.max_penetration;
   for (std::size_t c = 0; c < contacts(); ++c)
-    if (penalised_.moves(c) ? !distance_.stays_away(c, motion, p, t_, tau, run_length(), largest())
-                            : !distance_.keeps_state(c, motion, p, tau, largest(), penetration))
+    if (penalised_.contacts()[c].moves ? !distance_.stays_away(c, motion, p, t_, tau, run_length(), largest())
+                                       : !distance_.keeps_state(c, motion, p, tau, largest(), penetration))
       return false;
   if (ends_) {
     ends_->look_at(t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); });
@@ -298,14 +299,15 @@ void Run::take_short_step(double tau) {
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
     distances.push_back(distance_.along(c, series, p_));
-    if (penalised_.closed(c)) known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
+    if (penalised_.contacts().closed(c))
+      known.penetration = std::max(known.penetration, std::abs(value(distances[c], 1.0)));
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
-    const Contact& contact = penalised_.contact(c);
+    const Contact& contact = penalised_.contacts()[c];
     const auto clearance = [&](double at) {
       return value(distances[c], (at - t_) / tau) + (system_.gap(contact, at) - contact.gap);
     };
-    if (penalised_.moves(c)) {
+    if (penalised_.contacts()[c].moves) {
       if (may_reach_within(run_length(), clearance, breaks_of_gap(system_, contact), distance_.band(c, known), t_,
                            t_ + tau))
         return follow(series, tau);
@@ -315,7 +317,7 @@ void Run::take_short_step(double tau) {
     const std::optional<double> passage = pushes[c] ? first_passage(pushes[c]->along, pushes[c]->band)
                                                     : first_passage(distances[c], distance_.band(c, known));
     if (passage && *passage <= sigma && (!changing || *passage < sigma)) sigma = *passage, changing = c;
-    if (!pushes[c] || penalised_.closed(c)) continue;
+    if (!pushes[c] || penalised_.contacts().closed(c)) continue;
     // The step ends where the node leaves the stop that has let it go.
     const std::optional<double> leaves = first_passage(-distances[c], 0.0);
     if (leaves && *leaves < sigma) sigma = *leaves, changing.reset();
@@ -325,7 +327,7 @@ void Run::take_short_step(double tau) {
     return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_flow(tau)) : EnergyFlow{};
   });
   for (std::size_t c = 0; c < contacts(); ++c)
-    if (penalised_.closed(c))
+    if (penalised_.contacts().closed(c))
       statistics_.max_penetration =
           std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
   if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
@@ -348,7 +350,7 @@ void Run::follow(const Series& series, double tau) {
   VectorXd u = leg().displacement(series, 0.0) + propagators_.origin(), v = leg().velocity(series, 0.0, tau);
   const auto all = [](VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
   const double after = t_ + 64.0 * rounding * std::max(std::abs(t_), times_.back());
-  const double gained = penalised_.change_frame(system_.following(), after, all(u), all(v));
+  const double gained = change_frame(penalised_, system_.following(), after, all(u), all(v));
   u -= propagators_.origin();
   if (statistics_.energy) statistics_.energy->work -= gained;
   if (ends_) ends_->enter_frame(entries(u), entries(v));
@@ -361,9 +363,9 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
                           const VectorXd& v) {
   std::vector<std::size_t> changing;
   for (std::size_t c = 0; c < contacts(); ++c) {
-    if (penalised_.moves(c)) continue;
-    const double away = sign(c) * penalised_.contact(c).of(entries(v));
-    const bool leaving = penalised_.closed(c) ? away > 0.0 : away < 0.0;
+    if (penalised_.contacts()[c].moves) continue;
+    const double away = sign(c) * penalised_.contacts()[c].of(entries(v));
+    const bool leaving = penalised_.contacts().closed(c) ? away > 0.0 : away < 0.0;
     const bool changes =
         pushes[c] ? slope(pushes[c]->along, sigma) < 0.0 && std::abs(value(pushes[c]->along, sigma)) <= pushes[c]->band
                   : leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest());
@@ -372,15 +374,15 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
   const double before = energy_of_followers();
   for (const std::size_t c : changing) {
     if (pushes[c] && statistics_.energy) {  // the energy of the spring goes as it lets go
-      const double out = penalised_.closed(c) ? 1.0 : -1.0;
-      add({.dissipated = out * penalised_.stop(c)->energy(out * value(distances[c], sigma))});
+      const double out = penalised_.contacts().closed(c) ? 1.0 : -1.0;
+      add({.dissipated = out * penalised_.contacts()[c].law.stop()->energy(out * value(distances[c], sigma))});
     }
-    penalised_.set_closed(c, !penalised_.closed(c));
-    if (penalised_.closed(c)) measure_from_obstacle(c);
+    penalised_.contacts().set_closed(c, !penalised_.contacts().closed(c));
+    if (penalised_.contacts().closed(c)) measure_from_obstacle(c);
     if (!distance_.follows(c) && !pushes[c])
       y_[node(c)] = propagators_.surface(c) +  // to the digits that only the new leg needs
-                    (penalised_.contact(c).joint > 0 ? y_[node(c) - 1] : 0.0);
-    tell_change(c, penalised_.contact(c).of(entries(v)));
+                    (penalised_.contacts()[c].joint > 0 ? y_[node(c) - 1] : 0.0);
+    tell_change(c, penalised_.contacts()[c].of(entries(v)));
   }
   begin_leg();
   if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
@@ -388,9 +390,9 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
-  if (system_.moving()) velocity += system_.lift_at(penalised_.contact(c), system_.lift(t_, 1));
-  notifier_.event(t_, system_, penalised_.contact(c), penalised_.closed(c) ? Change::closing : Change::opening,
-                  velocity);
+  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], system_.lift(t_, 1));
+  notifier_.event(t_, system_, penalised_.contacts()[c],
+                  penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }
 
 std::span<const double> Run::end_sample(const Series& series, double sigma, double tau) {
@@ -431,10 +433,10 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
 FrameFlow Run::frame_flow(double tau) const {
   if (!system_.moving() && !system_.side()) return {};
   return [this, tau](double sigma, const VectorXd& u, const VectorXd& v, const VectorXd& a) {
-    const double t = t_ + sigma * tau, loss = penalised_.frame_loss(t, entries(v));
+    const double t = t_ + sigma * tau, loss = frame_loss(penalised_.bar(), t, entries(v));
     const bool moves = system_.moving() && system_.has_end_rows();
     const VectorXd placed = u + propagators_.origin();
-    const double end = moves ? penalised_.end_power(t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
+    const double end = moves ? end_power(penalised_, t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
     return EnergyFlow{loss, loss + end, end + leg().side_power(v, u)};
   };
 }
@@ -473,9 +475,9 @@ void Run::output_until(double t, double tau, const std::function<EnergyFlow(doub
     const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
     const VectorXd v = leg().velocity(series, s / width, width);
     const double of_frame =
-        statistics_.energy ? penalised_.frame_energy(times_[next_output_], entries(u), entries(v)) : 0.0;
+        statistics_.energy ? frame_energy(penalised_, times_[next_output_], entries(u), entries(v)) : 0.0;
     if (last && statistics_.energy) {
-      statistics_.energy->final = penalised_.energy(entries(u), entries(v)) + of_frame;
+      statistics_.energy->final = energy(penalised_.contacts(), entries(u), entries(v)) + of_frame;
       statistics_.energy->work += of_frame;
     }
     if (!observers_.snapshot) continue;
@@ -498,10 +500,10 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
   const auto reaction = [&](Index end) {
     double sum = 0.0;
     for (std::size_t c = 0; c < contacts(); ++c) {
-      if (!penalised_.closed(c) || penalised_.contact(c).joint > 0 || node(c) != end) continue;
-      const double force = penalised_.law(c).reaction(
+      if (!penalised_.contacts().closed(c) || penalised_.contacts()[c].joint > 0 || node(c) != end) continue;
+      const double force = penalised_.contacts()[c].law.linear().reaction(
           distance_.penetration_share(c) * value(distance_.along(c, series, p), sigma), -sign(c) * v[end]);
-      sum += sign(c) * (penalised_.stop(c) ? std::max(force, 0.0) : force);
+      sum += sign(c) * (penalised_.contacts()[c].law.stop() ? std::max(force, 0.0) : force);
     }
     return sum;
   };
@@ -511,7 +513,7 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
 }
 
 bool Run::energy_flows() const {
-  return statistics_.energy && (penalised_.takes_energy() || system_.loaded() || system_.has_end_rows());
+  return statistics_.energy && (takes_energy(penalised_.contacts()) || system_.loaded() || system_.has_end_rows());
 }
 
 void Run::add(const EnergyFlow& flow) {

@@ -56,7 +56,7 @@ class Run {
 
   /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
-    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_},
+    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_.contacts()},
          std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
          run.energy_scale_);
     if (run.ends_) each(*run.ends_);
@@ -68,7 +68,7 @@ class Run {
   static constexpr double rounding = std::numeric_limits<double>::epsilon();
 
   const LinearLeg<double>& leg() const { return propagator_->leg(); }
-  std::size_t contacts() const { return penalised_.contact_count(); }
+  std::size_t contacts() const { return penalised_.contacts().size(); }
   Index node(std::size_t c) const { return distance_.node(c); }
   ContactDistance::Largest largest() const { return {largest_displacement_, statistics_.max_penetration}; }
   double run_length() const { return times_.back() - times_.front(); }
@@ -94,7 +94,7 @@ class Run {
 
   // The entries of (u, u') that ContactWatch samples.
   std::span<const double> end_sample(const Series& series, double sigma, double tau);
-  double sign(std::size_t c) const { return penalised_.contact(c).sign; }
+  double sign(std::size_t c) const { return penalised_.contacts()[c].sign; }
 
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
   // The nodes of a span obstacle go together.

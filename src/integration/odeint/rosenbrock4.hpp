@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/relaxing_rows.hpp"
 #include "integration/odeint/dense_rosenbrock.hpp"
 #include "integration/odeint/explicit_formulas.hpp"
 
@@ -118,17 +119,17 @@ class Rosenbrock4 {
   void find_time_rate(double t, std::span<double> out) {
     std::ranges::fill(out, 0.0);
     PenalisedSystem& system = form_.system;
-    if (!system.load_varies()) return;
+    if (!system.load().varies()) return;
     const std::size_t n = system.size();
     const Bar& bar = system.bar().bar();
-    const auto [before, after] = system.beside(t);
+    const auto [before, after] = system.load().beside(t);
     if (!(before < after)) return;
-    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load(i, before);
-    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load(i, after)) / (after - before);
+    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load().at(i, before);
+    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load().at(i, after)) / (after - before);
     const std::span<double> a = out.subspan(n, n);
     std::ranges::copy(load_rate_, a.begin());
     // A massless node passes the load's effect on its velocity on to its neighbour.
-    for (const auto& row : system.relaxing_rows()) {
+    for (const auto& row : relaxing_rows(system.contacts())) {
       out[row.unknown] = row.load_share * load_rate_[row.unknown];
       a[row.neighbours[0].unknown] += bar.viscosity / system.bar().stretch_at(row.unknown) * out[row.unknown];
     }

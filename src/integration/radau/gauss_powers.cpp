@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "dynamics/energy_terms.hpp"
+
 namespace viscobar::radau {
 
 std::array<GaussPowers::Points, parts> GaussPowers::weights(int derivative) {
@@ -27,7 +29,8 @@ std::array<StepPowers::Flow, GaussPowers::points> GaussPowers::operator()(Penali
   };
   const auto velocity = [this](std::size_t i) -> const Points& { return w_[i]; };
   const Points zero = Points::Zero();
-  put(layout.dissipated, system.dissipated_power(velocity, system.bar().squared_strain_rate(velocity, zero)));
+  put(layout.dissipated,
+      dissipated_power(system.contacts(), velocity, system.bar().squared_strain_rate(velocity, zero)));
   if (layout.work) put(layout.work, load(system, begin, length));
   if (layout.end_inertia) {
     Points sum = Points::Zero();
@@ -43,14 +46,14 @@ std::array<StepPowers::Flow, GaussPowers::points> GaussPowers::operator()(Penali
 
 GaussPowers::Points GaussPowers::load(PenalisedSystem& system, double begin, double length) const {
   Points power = Points::Zero();
-  if (!system.load_varies()) {
-    const std::span<const double> load = system.nodal_load(begin);
+  if (!system.load().varies()) {
+    const std::span<const double> load = system.load().nodal(begin);
     for (std::size_t i = 0; i < load.size(); ++i) power += load[i] * w_[i];
     return power;
   }
   for (Eigen::Index g = 0; g < power.size(); ++g) {
     const double s = StepPowers::nodes()[static_cast<std::size_t>(g)];
-    const std::span<const double> load = system.nodal_load(begin + 0.5 * (1.0 + s) * length);
+    const std::span<const double> load = system.load().nodal(begin + 0.5 * (1.0 + s) * length);
     for (std::size_t i = 0; i < load.size(); ++i) power[g] += load[i] * w_[i][g];
   }
   return power;

@@ -48,7 +48,7 @@ class Stepper final : public LegStepper {
         stiff_rate_(layout_.nodes),
         x_(layout_.nodes),
         inner_(layout_.account() > 0 ? layout_.size : 0) {
-    if (system_.load_varies()) load_change_.resize(layout_.nodes), load_tail_.resize(layout_.nodes);
+    if (system_.load().varies()) load_change_.resize(layout_.nodes), load_tail_.resize(layout_.nodes);
     if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
     inner_contacts_ =
         std::ranges::any_of(system_.bar().contacts(), [](const Contact& contact) { return !contact.at_end(); });
@@ -68,9 +68,9 @@ class Stepper final : public LegStepper {
     const std::size_t closed_before = std::exchange(closed_, closed_contacts());
     stirred_ = !taken_ || closed_ > closed_before;
     if (stirred_) step_ = std::min(step_, next_after_impact * stirred_step_);
-    if (taken_ != system_.revision()) {
+    if (taken_ != system_.contacts().revision()) {
       systems_.take(system_);
-      taken_ = system_.revision();
+      taken_ = system_.contacts().revision();
       factorised_.reset();
     }
     evaluate();
@@ -186,7 +186,7 @@ class Stepper final : public LegStepper {
 
   std::size_t closed_contacts() const {
     std::size_t closed = 0;
-    for (std::size_t i = 0; i < system_.contact_count(); ++i) closed += system_.closed(i) ? 1 : 0;
+    for (std::size_t i = 0; i < system_.contacts().size(); ++i) closed += system_.contacts().closed(i) ? 1 : 0;
     return closed;
   }
 
@@ -211,7 +211,7 @@ class Stepper final : public LegStepper {
     const double rounding = systems_.rounding();
     systems_.refine(rounding * weights_.largest_displacement() > weights_.displacement_tolerance() ||
                     rounding * weights_.largest_velocity() > weights_.velocity_tolerance());
-    const bool loaded = system_.load_varies();
+    const bool loaded = system_.load().varies();
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
     by_part_.clear();

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "dynamics/energy_terms.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "run/step_failure.hpp"
 
@@ -36,14 +37,14 @@ void eliminate(std::span<double> a, std::span<double> x) {
 }  // namespace
 
 void Leg::solve(double m, double c, double k, std::span<double> x) {
-  if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.revision()) {
+  if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.contacts().revision()) {
     system.dynamic_stiffness(m, c, k, matrix_);
     try {
       factor_.factorise(matrix_);
     } catch (const std::domain_error&) {
       throw StepFailure(Failure::inertia, lost_inertia(system.bar(), m, c, k));
     }
-    m_ = m, c_ = c, k_ = k, revision_ = system.revision();
+    m_ = m, c_ = c, k_ = k, revision_ = system.contacts().revision();
     factorised_ = true, columns_known_ = false;
     ++statistics.matrix_factorisations;
   }
@@ -56,12 +57,12 @@ void Leg::solve(double m, double c, double k, std::span<double> x) {
 void Leg::find_columns() {
   if (std::exchange(columns_known_, true)) return;
   columns_.clear();
-  for (const auto& [i, law] : system.bent()) {
-    if (!system.closed(i)) continue;
+  for (std::size_t i = 0; system.contacts().bend() && i < system.contacts().size(); ++i) {
+    if (!system.contacts()[i].law.bent() || !system.contacts().closed(i)) continue;
     Column& column = columns_.emplace_back(Column{i, std::vector<double>(layout.nodes, 0.0)});
-    const std::size_t node = system.contact(i).unknown;
+    const std::size_t node = system.contacts()[i].unknown;
     column.z[node] = 1.0;
-    if (system.contact(i).joint > 0) column.z[node - 1] = -1.0;
+    if (system.contacts()[i].joint > 0) column.z[node - 1] = -1.0;
     factor_.solve(column.z);
     ++statistics.linear_solves;
   }
@@ -70,15 +71,15 @@ void Leg::find_columns() {
 
 void Leg::solve(PenalisedSystem& forces, double m, double c, double k, const Increment& to, std::span<double> x) {
   solve(m, c, k, x);
-  if (system.bent().empty()) return;
+  if (!system.contacts().bend()) return;
   find_columns();
   const std::size_t count = columns_.size(), n = layout.nodes;
   for (Column& at : columns_) {
-    const Contact& contact = forces.contact(at.contact);
+    const Contact& contact = forces.contacts()[at.contact];
     const double u = contact.of({to.u, n}) + (to.explicit_u ? contact.of({to.explicit_u, n}) : 0.0);
-    at.clearance = contact.sign * u + forces.clearance_at_origin(at.contact);
+    at.clearance = contact.sign * u + forces.contacts().offset(at.contact);
     at.w = contact.of({to.w, n});
-    at.force = forces.contact_force(at.contact, at.clearance, at.w);
+    at.force = forces.contacts()[at.contact].law.force(at.clearance, at.w);
     at.start = contact.of(x), at.y = 0.0;
   }
   // y_j - start_j - sum_l z_jl added_l = 0; its Jacobian is 1 + z (k dN/dd + c dN/dd'), positive definite where D is.
@@ -88,14 +89,14 @@ void Leg::solve(PenalisedSystem& forces, double m, double c, double k, const Inc
   for (int iteration = 0; change > 1e-13 * size && count > 0; ++iteration) {
     if (iteration == most) throw NoConvergence{};
     for (Column& at : columns_) {
-      const double u = at.clearance + forces.contact(at.contact).sign * (k / to.factor) * at.y;
+      const double u = at.clearance + forces.contacts()[at.contact].sign * (k / to.factor) * at.y;
       const double v = at.w + c / to.factor * at.y;
-      at.added = to.factor * (forces.contact_force(at.contact, u, v) - at.force);
-      const PenaltyLaw tangent = forces.tangent(at.contact, u, v);
+      at.added = to.factor * (forces.contacts()[at.contact].law.force(u, v) - at.force);
+      const PenaltyLaw tangent = forces.contacts()[at.contact].law.tangent(u, v);
       at.slope = k * tangent.stiffness + c * tangent.damping;
     }
     for (std::size_t j = 0; j < count; ++j) {
-      const Contact& contact = forces.contact(columns_[j].contact);
+      const Contact& contact = forces.contacts()[columns_[j].contact];
       residual[j] = columns_[j].y - columns_[j].start;
       for (std::size_t l = 0; l < count; ++l) {
         const double coupling = contact.of(columns_[l].z);
@@ -215,12 +216,12 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
 void Leg::account_rates(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a,
                         std::span<double> y_rate) {
   if (layout.account() == 0) return;
-  const double loss = system.frame_loss(t, w);
-  if (layout.dissipated) y_rate[*layout.dissipated] = system.dissipated_power(w) + loss;
-  if (layout.dissipated && !system.bent().empty()) y_rate[*layout.dissipated] += system.stop_loss(u, w);
-  if (layout.work) y_rate[*layout.work] = system.load_power(t, w) + loss;
+  const double loss = frame_loss(system.bar(), t, w);
+  if (layout.dissipated) y_rate[*layout.dissipated] = dissipated_power(system.contacts(), w) + loss;
+  if (layout.dissipated && system.contacts().bend()) y_rate[*layout.dissipated] += stop_loss(system.contacts(), u, w);
+  if (layout.work) y_rate[*layout.work] = system.load().power(t, w) + loss;
   if (!layout.end_inertia) return;
-  const auto [all, of_frame] = system.end_power(t, u, w, a);
+  const auto [all, of_frame] = end_power(system, t, u, w, a);
   y_rate[*layout.end_inertia] = all;
   if (layout.work) y_rate[*layout.work] += of_frame;
 }

@@ -29,7 +29,7 @@ class Leg {
         solve_step(find_correction),
         field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
-    if (of.bar().side() || !of.bent().empty() || !of_parameters.empty()) new_u.resize(placed.nodes);
+    if (of.bar().side() || of.contacts().bend() || !of_parameters.empty()) new_u.resize(placed.nodes);
     if (of_parameters.empty()) return;
     new_w.resize(placed.nodes);
     moment.emplace(of, of_parameters);

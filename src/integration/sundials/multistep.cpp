@@ -29,7 +29,7 @@ void Multistep::restart(double t, double stop, std::span<const double> y) {
   stop_ = stop;
   weights_.tighten(leg_.statistics.events);
   std::ranges::copy(y, values(state_).begin());
-  rest_.begin_leg(leg_.system, t);
+  rest_.begin_leg(leg_.system.contacts(), t);
   begin_leg(t);
 }
 
@@ -92,7 +92,7 @@ void Multistep::configure(void* memory, double t) {
   call("SetUserData", library_.set_user_data, static_cast<void*>(this));
   call("WFtolerances", library_.set_weights, fill_weights);
   call("SetNonlinearSolver", library_.set_solver, solver_.get());
-  if (leg_.system.load_varies()) call("SetMaxStep", library_.set_max_step, longest_step(leg_.system, end_ - t));
+  if (leg_.system.load().varies()) call("SetMaxStep", library_.set_max_step, longest_step(leg_.system, end_ - t));
 }
 
 void Multistep::begin_stretch(void* memory, int max_order) {

@@ -207,7 +207,7 @@ std::optional<OwnMember> Members::of(const Case& run) const {
   if (JumpFilter filter(system); filter.acts()) {
     one.start = std::make_unique<State>(*one.data);
     PenalisedSystem settled(system, Penalty{0.0, 0.0});
-    settled.begin_leg(0.0, run.end);
+    settled.load().begin_leg(0.0, run.end);
     settle_high_modes(filter, settled, 0.0, run.end, *one.start);
     m.start = one.start.get();
   }

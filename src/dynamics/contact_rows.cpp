@@ -1,0 +1,67 @@
+#include "dynamics/contact_rows.hpp"
+
+#include <algorithm>
+
+namespace viscobar {
+
+JointRow joint_row(const Contacts& contacts, std::size_t i) {
+  const BarSystem& bar = contacts.bar();
+  const std::size_t b = contacts[i].unknown, first = bar.first_node(), right = b + first;
+  if (contacts[i].by_law) return {.node = b, .next = b - 1, .beyond = b, .sign = 1.0, .scale = 1.0};
+  const bool of_bar = contacts[i].of_bar, to_right = of_bar ? bar.is_element_of_bar(right) : !contacts[i].met;
+  const std::size_t node = to_right ? b : b - 1;
+  JointRow row{.node = node, .next = node, .beyond = node, .sign = to_right ? 1.0 : -1.0, .scale = 0.0};
+  const BandedMatrix& inertia = bar.inertia();
+  row.inertia[0] = inertia.diagonal[node];
+  if (to_right ? right < bar.mesh().elements : right > 1) {
+    const std::size_t element = to_right ? right : right - 2;
+    const double stiffness = bar.bar().modulus / bar.stretch(element),
+                 viscosity = bar.bar().viscosity / bar.rate_stretch(element);
+    if (to_right ? b + 1 < bar.size() : b > 1) {
+      row.stiffness = stiffness, row.viscosity = viscosity;
+      row.next = to_right ? b + 1 : b - 2;
+      row.beyond = to_right ? std::min(b + 2, bar.size() - 1) : b < 3 ? 0 : b - 3;
+    } else {
+      row.ground_stiffness = stiffness, row.ground_viscosity = viscosity;
+      row.ground_force = stiffness * bar.wall(to_right).value_or(0.0);
+    }
+  }
+  row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar.bar().modulus / bar.stretch_at(b);
+  for (const Support& support : bar.supports())
+    if (support.unknown == node) row.ground_stiffness += support.stiffness, row.ground_viscosity += support.dashpot;
+  if (!of_bar) return row;
+  const std::array<double, 3> one_sided = inertia.one_sided_entries(node, !to_right);
+  for (std::size_t k = 0; k < 3; ++k) row.inertia[k] += one_sided[k];
+  const bool beside = row.next != node;
+  if (!inertia.is_diagonal() && beside) row.inertia[1] += to_right ? inertia.above(node) : inertia.below(row.next);
+  const SideRows* side = bar.side();
+  if (!side) return row;
+  const std::array<double, 3> weights = side->end_row(node + first, !to_right);
+  const std::array<std::size_t, 3> unknowns = {node, row.next, row.beyond};
+  for (std::size_t k = 0; k < 3 && (beside || k == 0); ++k) {
+    row.side_stiffness[k] = weights[k] * side->stiffness(unknowns[k] + first);
+    row.side_drag[k] = weights[k] * side->drag(unknowns[k] + first);
+  }
+  if (!beside)  // it is held
+    row.ground_force -= weights[1] * side->stiffness(to_right ? right + 1 : right - 2) * *bar.wall(to_right);
+  return row;
+}
+
+std::array<double, 2> inertia_beside(const BandedMatrix& inertia, std::size_t end) {
+  if (inertia.off_diagonal.empty()) return {0.0, 0.0};
+  const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];
+  if (inertia.one_sided.empty()) return {beside, 0.0};
+  const std::array<double, 3> row = inertia.one_sided_entries(end, end > 0);
+  return {beside + row[1], row[2]};
+}
+
+double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<const double> v) {
+  if (contacts[i].joint > 0) return joint_row(contacts, i).inertia_times(v);
+  const std::size_t end = contacts[i].unknown;
+  const auto inertia = inertia_beside(contacts.bar().inertia(), end);
+  double sum = inertia[0] * v[neighbour(end)];
+  if (inertia[1] != 0.0) sum += inertia[1] * v[end == 0 ? 2 : end - 2];
+  return sum;
+}
+
+}  // namespace viscobar

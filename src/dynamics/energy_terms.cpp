@@ -1,0 +1,69 @@
+#include "dynamics/energy_terms.hpp"
+
+#include <vector>
+
+namespace viscobar {
+
+namespace {
+
+double frame_energy(const Contacts& contacts, const BarSystem& bar, double t, std::span<const double> u,
+                    std::span<const double> w) {
+  if (!bar.moving()) return 0.0;
+  const std::vector<double> in_frame = contacts.origin().displacement(u);
+  return bar.lifted_energy(bar.lift(t, 0), bar.lift(t, 1), in_frame, w).total() - bar.energy(in_frame, w);
+}
+
+}  // namespace
+
+double energy(const Contacts& contacts, std::span<const double> u, std::span<const double> w) {
+  return contacts.bar().energy(contacts.origin().displacement(u), w) + contact_energy(contacts, u);
+}
+
+double contact_energy(const Contacts& contacts, std::span<const double> u) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (const ContactNode& one = contacts[i]; !one.holds && !one.moves && !one.law.stop())
+      sum += one.law.linear().energy(-contacts.clearance(i, u));
+  for (std::size_t i = 0; contacts.has_stops() && i < contacts.size(); ++i)
+    if (const Stop* stop = contacts[i].law.stop(); stop && contacts.closed(i))
+      sum += stop->energy(-contacts.clearance(i, u));
+  return sum;
+}
+
+double frame_energy(const PenalisedSystem& system, double t, std::span<const double> u, std::span<const double> w) {
+  return system.bar().moving() ? frame_energy(system.contacts(), system.bar(), system.load().inside(t), u, w) : 0.0;
+}
+
+double change_frame(const PenalisedSystem& system, const BarSystem& to, double t, std::span<double> u,
+                    std::span<double> w) {
+  const double before = frame_energy(system, t, u, w);
+  system.bar().change_frame(to, t, u, w);
+  return frame_energy(system.contacts(), to, t, u, w) - before;
+}
+
+bool takes_energy(const Contacts& contacts) {
+  const BarSystem& bar = contacts.bar();
+  return dissipates(contacts) || contacts.take_energy() || bar.has_dashpots() || (bar.side() && bar.side()->has_drag());
+}
+
+EndPower end_power(const PenalisedSystem& system, double t, std::span<const double> u, std::span<const double> w,
+                   std::span<const double> a) {
+  const BarSystem& bar = system.bar();
+  const auto lift = [&](int derivative) { return system.load().lift(t, derivative); };
+  double of_frame = bar.moving()
+                        ? bar.lift_end_power(lift(1), lift(2), bar.at_nodes(w), bar.at_nodes(RowValues{a, bar.size()}))
+                        : 0.0;
+  double own = bar.end_power(w, a);
+  if (const SideRows* side = bar.side(); side && side->has_row_power()) {
+    const auto placed = [of = bar.displacement_at_nodes(u), first = bar.first_node(),
+                         origin = system.contacts().origin().values()](std::size_t j) {
+      const bool unknown = j >= first && j - first < origin.size();
+      return unknown ? of(j) + origin[j - first] : of(j);
+    };
+    own += side->row_power(bar.at_nodes(w), placed);
+    if (bar.moving()) of_frame += bar.side_lift_power(lift(0), lift(1), bar.at_nodes(w), placed);
+  }
+  return {own + of_frame, of_frame};
+}
+
+}  // namespace viscobar
