@@ -19,7 +19,7 @@ namespace viscobar {
 ///
 ///     R(t) = sum over closed contacts i of  - s_i k_i (s_i u_i + gap_i) - c_i u_i'
 ///
-/// (s, k, c as in PenalisedSystem), and the account of it: int R dt and max |R|, of the polynomial of each step.
+/// (s, k, c as in ContactLaw), and the account of it: int R dt and max |R|, of the polynomial of each step.
 class SpanForce {
  public:
   /// Both outlive it. Without a span obstacle it asks for nothing.
@@ -107,7 +107,7 @@ class JointForces {
 /// are softer than the element beside them, R is integrated itself: errors of u are multiplied by 1/epsilon, not by
 /// E/h. A node with mass that is held has R = d/dt (rho M v) + eta K v + E K u - M f, its own velocity being 0. An
 /// undamped massless node has no displacement that could be interpolated; its R is a multiple of its indicator (see
-/// PenalisedSystem).
+/// Indicators).
 class ContactWatch {
  public:
   /// Both outlive it. Without `extremes` ranges and peaks stay as they are. With `apart` the impulses of springs() are
@@ -124,7 +124,7 @@ class ContactWatch {
     for (auto& end : watch.ends_) each(end.stored);
   }
 
-  /// `origin` is added to u to have displacements from here on (see PenalisedSystem); empty: nothing.
+  /// `origin` is added to u to have displacements from here on (see Origin); empty: nothing.
   void measure_from(std::span<const double> origin) {
     span_.measure_from(origin);
     joints_.measure_from(origin);

@@ -13,7 +13,7 @@
 namespace viscobar {
 
 /// The derivatives of a run with respect to parameters. They are part of the state y (see Layout) and advanced by the
-/// stepper with it, leg by leg. A contact changes at the root t* of its indicator phi (see PenalisedSystem), and with
+/// stepper with it, leg by leg. A contact changes at the root t* of its indicator phi (see Indicators), and with
 /// f = (v, a) the rate of the state before and after,
 ///
 ///     dt*/dp = -(phi_u u' + phi_v v' + phi_p) / (dphi/dt),      s+ = G (s- + f- dt*/dp) + G_p - f+ dt*/dp,
