@@ -13,7 +13,7 @@
 
 namespace viscobar {
 
-/// What drives a system, M f(t) + added: the load of its bar, where that has one, on the side of a break that the leg
+/// The drive of a system, M f(t) + added: the load of its bar, where that has one, on the side of a break that the leg
 /// is on, and a force beside it. Owns the load's buffers.
 class ActingLoad {
  public:
