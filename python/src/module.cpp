@@ -227,7 +227,7 @@ J is the number of elements, K that of the output times. Units are those of the 
                              "Size of an element, the mean on a graded mesh.")
       .def_property_readonly("end", value([](const Case& run) { return run.end; }), "The last time.")
       .def_property_readonly("step", value([](const Case& run) { return resolve(run).step; }),
-                             "Time step: the scene's, else h / (100 c).")
+                             "Time step: the scene's, else the one chosen for it.")
       .def_property_readonly("length", value([](const Case& run) { return run.scene.bar.length; }), "L.")
       .def_property_readonly("density", value([](const Case& run) { return run.scene.bar.density; }), "rho.")
       .def_property_readonly("modulus", value([](const Case& run) { return run.scene.bar.modulus; }), "E.")

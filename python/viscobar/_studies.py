@@ -230,7 +230,7 @@ def limit(
     epsilon      penalties, decreasing; absent: 1e-2, 1e-3, ..., 1e-8 times L/E, under a span obstacle alone L^2/E
     mass         name of a mass matrix in place of the scene's
     elements     meshes in place of the scene's; three or more give epsilon(h)
-    steps        of the scheme, one for each mesh; absent: the scene's, or h / (100 c)
+    steps        of the scheme, one for each mesh; absent: the scene's
     budget       processor seconds for smaller steps of the scheme
     error        the error that is bearable at epsilon = 0, as in viscobar.run(): the elements are chosen for it
     progress     called with the runs done and all runs so far; True: a bar of tqdm

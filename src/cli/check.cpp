@@ -97,12 +97,9 @@ std::string check_text(const SceneCheck& check) {
   const NumberText number(NumberText::For::terminal, scene);
   std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
   for (const std::string& words : member_texts(scene)) text += row("member", words);
-  text += row("elasticity", "{}h = {}{}",
+  text += row("elasticity", "{}{}",
               scene.chain.empty() ? fmt::format("E = {}, ", number(scene.bar.modulus, Dimension::stress, 10)) : "",
-              number(mesh.spacing(), Dimension::length, 4),
-              mesh.uniform() ? ""
-                             : fmt::format(" on average, {} {}", number(mesh.smallest(), Dimension::length, 4),
-                                           mesh.given ? "the least" : "at the contacts"));
+              element_size(mesh, number));
   if (scene.section) text += row("section", section_text(scene));
   text += row("damping", !system.damped() ? "none"
                          : scene.chain.empty()

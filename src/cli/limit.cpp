@@ -120,7 +120,7 @@ Action limit_command(CLI::App& command) {
   add(command, "--elements", "N,N...", asked->elements,
       "Meshes, in place of the scene's, or FIRST:LAST, doubled; three or more: also the bar's own motion, and epsilon(h)");
   add_list(command, "--steps", "DT,DT...", study.steps,
-           "Time steps of the scheme to start with, one for each mesh (default: the scene's, or h / (100 c))")
+           "Time steps of the scheme to start with, one for each mesh (default: the scene's)")
       ->check(positive_number);
   asked->budget = within(add(command, "--budget", "SECONDS", study.budget,
                              "Processor seconds of all runs; the study goes on by itself until the verdict is known"),

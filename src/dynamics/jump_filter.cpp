@@ -36,6 +36,11 @@ std::vector<double> chebyshev(double top) {
       sum += values[j] * std::cos(static_cast<double>(k) * (static_cast<double>(j) + 0.5) * angle);
     coefficients[k] = (k == 0 ? 1.0 : 2.0) * sum / static_cast<double>(count);
   }
+  // A bar that moves as a whole has mu = 0, and no jump may move it: what interpolation leaves there is taken off along
+  // 1 - mu / top, so that G stays what it is at the end's own mode, near the top.
+  double whole = 0.0;
+  for (std::size_t k = 0; k < count; ++k) whole += k % 2 == 0 ? coefficients[k] : -coefficients[k];
+  coefficients[0] -= 0.5 * whole, coefficients[1] += 0.5 * whole;
   return coefficients;
 }
 

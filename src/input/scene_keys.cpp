@@ -113,7 +113,7 @@ constexpr SceneKey rows[] = {
     {"method.absolute_tolerance", number, optional, "", "1e-9", "length", "adaptive methods: error allowed in addition, the same number for the velocity; absent: relative_tolerance / 1000 of the displacement and of the velocity that the scene has, see below", positive},
     {"method.error_control", choice, optional, "\"global\"", "", "", "whether the tolerances bound the error of the solution or of each step", {}, controls},
     {"method.stepper", choice, optional, "\"automatic\"", "", "", "formulas of odeint", {}, steppers},
-    {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c)", positive},
+    {"method.step", number, optional, "", "1e-3", "time", "time step of fully_discrete and finite_difference, absent: h / (100 c), time.end / 1000 at most", positive},
     {"method.start", choice, optional, "\"first_order\"", "", "", "first step of the two schemes: u_0 + dt u_1, or with the term dt^2/2 u'' too", {}, starts},
     {"method.impact", choice, optional, "\"paoli_schatzman\"", "", "", "law of restitution of the two schemes: a bound on the mean of displacements, or on the velocity, which never gives energy", {}, impacts},
 

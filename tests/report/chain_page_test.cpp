@@ -36,6 +36,15 @@ TEST(Report, HasForcesAndContactsOfJointsAndAStripABar) {
   EXPECT_FALSE(bonded.has("Forces at joints"));
 }
 
+// The bars meet at elements of 0.1; the smallest, of 0.2 / 20, are behind a bond, far from every contact.
+TEST(Report, TellsTheSmallestElementOfBarsInLineWithoutAPlace) {
+  const std::string line = bar + "1.0\nelements = 10\n" + bar + "0.0\nelements = 10\n";
+  const std::string last = "[[bar]]\nlength = 0.2\nelements = 20\n";
+  const Html report = page(parse_scene(line + last + contact + end_of(0.5, 0.1), "scene"));
+  EXPECT_TRUE(report.has("on average, 0.01 the least"));
+  EXPECT_FALSE(report.has("at the contacts"));
+}
+
 // Drawn as the reactions of ends are: the tolerances of
 // Report.SaysWhatEventsAndSummarySayAndDrawsEachContactWithItsPeak. The first bar leaves the second for good after 2
 // L/c, between two output times.

@@ -129,7 +129,7 @@ double natural_epsilon(const Scene& scene);
 ///           product. So do schemes under a span obstacle with restitution or without viscosity.
 /// epsilon   the first of natural_epsilon() 10^-k by which a bar that is thrown at the obstacle at speed V penetrates
 ///           by less than (h / L)^2 / 8 of V L / c, about what the mesh is wrong by
-/// step      h / (100 c), a hundredth of the time of a wave through an element
+/// step      h / (100 c), a hundredth of the time of a wave through an element, or end / 1000, whichever is less
 struct Setup {
   Case run;        ///< as asked
   Mesh mesh;       ///< of its elements

@@ -44,11 +44,7 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
     all.add("Penalty ε", number(setup.epsilon, number.of_epsilon, 4));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
-          fmt::format("h = {}{}, {} mass", with(system.mesh().spacing(), Dimension::length),
-                      system.mesh().uniform() ? ""
-                                              : fmt::format(" on average, {} at the contacts",
-                                                            with(system.mesh().smallest(), Dimension::length)),
-                      name(system.mass())));
+          fmt::format("{}, {} mass", element_size(system.mesh(), number), name(system.mass())));
   if (outcome.statistics) all.add("Unknowns", outcome.statistics->unknowns);
   all.add("Simulated time", with(outcome.reached_time, Dimension::time),
           outcome.ending == Ending::completed ? std::string() : "of " + with(run.end, Dimension::time));
@@ -167,6 +163,14 @@ std::string estimate_section(const Case& run, const ErrorEstimate& estimate) {
 }
 
 }  // namespace
+
+std::string element_size(const Mesh& mesh, const NumberText& number) {
+  const std::string mean = "h = " + number(mesh.spacing(), Dimension::length, 4);
+  if (mesh.uniform()) return mean;
+  // Given nodes, and those of bars in line, need not be closest at a contact.
+  return fmt::format("{} on average, {} {}", mean, number(mesh.smallest(), Dimension::length, 4),
+                     mesh.given ? "the least" : "at the contacts");
+}
 
 std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate) {
   const auto with = [&](double value) {

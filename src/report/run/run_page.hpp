@@ -24,6 +24,9 @@ std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scen
 
 inline NumberText on_page(const Case& run) { return NumberText(NumberText::For::page, run.scene); }
 
+/// "h = 0.01 m", of unequal elements their mean and the smallest.
+std::string element_size(const Mesh& mesh, const NumberText& number);
+
 struct FieldColours {
   plot::ColourMap map;
   plot::Axis values;  ///< the ends of the scale

@@ -109,7 +109,8 @@ class SweepPage {
 
   drawLines(svg, points, column) {
     const { data, state, keys } = this, key = keys[state.x], second = state.second === null ? null : keys[state.second];
-    const right = this.width - (second ? 0.1 * this.width + 84 : 20);
+    const letters = second ? Math.max(second.label.length - 5, ...second.values.map((value) => this.valueText(value).length)) : 0;
+    const right = this.width - (second ? Math.min(0.6 * this.width, Math.max(0.1 * this.width + 84, 54 + 7.3 * letters)) : 20);
     const y = new Scale(spreadOf(points.map(({ value }) => value), state.log), SweepPage.height - 56, 14);
     const x = this.axisOf(key, Math.max(72, roomBeside(y)), right);
     this.frame(svg, x, y, key.label, column.label);
