@@ -1,8 +1,8 @@
 # units(variable BASE WITHIN FILE...): instead of the sources FILE..., sources that include several of them each, by their
 # names relative to the folder BASE, which the target has to search for headers. Templates and headers that the files share
 # are compiled once a unit. WITHIN is `folder`, eight files of one at most, or so many kB of a room (the first folder of the
-# names): with 128 half of the processor's time, but in large units gcc inlines less. (CMake's own UNITY_BUILD includes absolute
-# names, which no cache of compiled files recognises in another clone.)
+# names): 128 take three quarters of the processor's time of 64, but in large units gcc inlines less. (CMake's own
+# UNITY_BUILD includes absolute names, which no cache of compiled files recognises in another clone.)
 function(units variable base within)
   set(units "")
   list(SORT ARGN)
