@@ -36,8 +36,8 @@ constexpr std::string_view signs[] = {"||", "&&", "<=", ">=", "==", "!=", "<", "
 
 constexpr Operation functions[] = {Operation::sin,  Operation::cos, Operation::tan, Operation::exp, Operation::log,
                                    Operation::sqrt, Operation::abs, Operation::min, Operation::max};
-constexpr std::array<std::string_view, 10> known = {"sin",  "cos", "tan", "exp", "log",
-                                                    "sqrt", "abs", "min", "max", "pi"};
+constexpr std::array<std::string_view, 10> known_names = {"sin",  "cos", "tan", "exp", "log",
+                                                          "sqrt", "abs", "min", "max", "pi"};
 
 /// Words of other languages, and what to write instead.
 constexpr std::pair<std::string_view, std::string_view> habits[] = {
@@ -55,7 +55,7 @@ constexpr std::pair<std::string_view, std::string_view> habits[] = {
 };
 
 // The parser's stack grows with the depth, the memory of a computation with the length.
-constexpr std::size_t longest = 4096;
+constexpr std::size_t longest_formula = 4096;
 constexpr int deepest = 200;
 
 std::string at(std::size_t index) { return fmt::format(" at character {}", index + 1); }
@@ -74,7 +74,7 @@ class Parser {
       : text_(text), parameters_(parameters), variables_(variables) {}
 
   FormulaTree operator()() {
-    if (text_.size() > longest) refuse("is too long: {} characters, at most {}", text_.size(), longest);
+    if (text_.size() > longest_formula) refuse("is too long: {} characters, at most {}", text_.size(), longest_formula);
     if (rest().empty()) refuse("is empty");
     tree_.root = choice();
     if (!rest().empty()) expected();
@@ -127,19 +127,20 @@ class Parser {
 
   bool knows(std::string_view token) const {
     const bool called = text_.substr(at_ + token.size()).starts_with('(');
-    return parameters_.contains(token) || token == "pi" || (called && std::ranges::find(known, token) != known.end()) ||
+    return parameters_.contains(token) || token == "pi" ||
+           (called && std::ranges::find(known_names, token) != known_names.end()) ||
            (token.size() == 1 && variables_.find(token) != variables_.npos);
   }
 
   std::string unknown_name(std::string_view token) const {
     if (token == "x" || token == "t")
       return fmt::format("uses {}{}, but is a function of {} alone", token, at(at_), variables_);
-    if (std::ranges::find(known, token) != known.end())
+    if (std::ranges::find(known_names, token) != known_names.end())
       return fmt::format("names the function {}{} without its arguments in parentheses", token, at(at_));
     for (const auto& [word, instead] : habits)
       if (word == token) return fmt::format("knows no \"{}\"{}; {}", token, at(at_), instead);
     std::optional<std::string_view> nearest;
-    if (token.size() > 1) nearest = nearest_name(token, known);
+    if (token.size() > 1) nearest = nearest_name(token, known_names);
     for (const auto& [name, value] : parameters_)
       if (nearest_name(token, std::array{std::string_view(name)})) nearest = name;
     for (std::size_t i = 0; i < variables_.size(); ++i)
@@ -147,7 +148,7 @@ class Parser {
     return fmt::format("knows no \"{}\"{}{}", token, at(at_),
                        nearest ? fmt::format("; nearest is \"{}\"", *nearest)
                                : fmt::format("; it may use {}{} and {}", variables_.substr(0, 1),
-                                             variables_.size() > 1 ? ", t" : "", fmt::join(known, " ")));
+                                             variables_.size() > 1 ? ", t" : "", fmt::join(known_names, " ")));
   }
 
   // A factor beside another, as on paper.
@@ -265,7 +266,7 @@ class Parser {
     if (token == "t") return FormulaTree::t;
     take("(");
     if (take(")")) refuse("gives {} too few arguments{}", token, at(at_));
-    return in_parentheses(functions[std::ranges::find(known, token) - known.begin()], token);
+    return in_parentheses(functions[std::ranges::find(known_names, token) - known_names.begin()], token);
   }
 
   double number() {
@@ -315,7 +316,7 @@ std::string parameter_name_problem(std::string_view name) {
     return "is no name for formulas: letters, digits and _, a letter first";
   constexpr std::size_t longest = 100;
   if (name.size() > longest) return fmt::format("is too long a name: {} characters, {} at most", name.size(), longest);
-  if (name == "x" || name == "t" || std::ranges::find(known, name) != known.end())
+  if (name == "x" || name == "t" || std::ranges::find(known_names, name) != known_names.end())
     return fmt::format("formulas know \"{}\" already; take another name", name);
   return {};
 }

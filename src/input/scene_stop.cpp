@@ -22,8 +22,8 @@ std::string key(const std::string& table, Leaf leaf) { return prefix_of(table) +
 
 std::optional<Law> law_of(const SceneEntries& entries, const std::string& table) {
   const auto word = entries.text(key(table, law));
-  const auto* known = std::ranges::find_if(all_laws, [&](Law one) { return word == name(one); });
-  return known == std::end(all_laws) ? std::nullopt : std::optional(*known);
+  const auto* kind = std::ranges::find_if(all_laws, [&](Law one) { return word == name(one); });
+  return kind == std::end(all_laws) ? std::nullopt : std::optional(*kind);
 }
 
 // lambda with which a lone mass that comes at a speed V leaves at e V: the root a = lambda V < 1 / e of a (1 + e) =
@@ -40,25 +40,25 @@ double lambda_of(double e, double V) {
 void check_law(SceneEntries& entries, const std::string& table) {
   const auto of = [&](Leaf leaf) { return key(table, leaf); };
   if (entries.faulty(of(law))) return;
-  const auto known = law_of(entries, table);
-  if (!known) {
+  const auto kind = law_of(entries, table);
+  if (!kind) {
     const std::string why = entries.present(of(law)) ? "the law is \"penalty\"" : of(law) + " is missing";
     for (const Leaf leaf : {stiffness, damping, restitution, speed})
       if (entries.sound(of(leaf)) && !(table.empty() && leaf == restitution))
         entries.report(of(leaf), "belongs to a law, and {}; the penalty has contact.epsilon", why);
     return;
   }
-  const std::string_view word = name(*known);
+  const std::string_view word = name(*kind);
   if (!entries.present(of(stiffness)) && !entries.faulty(of(stiffness)))
     entries.report(of(stiffness), "is missing: {} has a stiffness k", word);
-  if (entries.sound(of(damping)) && !has_damper(*known))
+  if (entries.sound(of(damping)) && !has_damper(*kind))
     entries.report(of(damping), "belongs to spring_damper and hunt_crossley; {} has no damper", word);
   if (!entries.sound(of(speed))) {
     if (!table.empty() && entries.sound(of(restitution)))
       entries.report(of(restitution), "is that at a speed of impact, and {} is missing", of(speed));
     return;
   }
-  if (*known != Law::hunt_crossley)
+  if (*kind != Law::hunt_crossley)
     entries.report(of(speed), "belongs to hunt_crossley, whose restitution depends on it; {} has a damping", word);
   else if (entries.present(of(damping)))
     entries.report(of(speed), "excludes {}: lambda is one or the other", of(damping));
@@ -74,12 +74,12 @@ std::optional<Stop> stop_of(const SceneEntries& entries, const std::string& side
   const bool of_joint = side.starts_with("joint.");
   const bool own = of_joint ? entries.present(key(side, law)) : entries.given_below(prefix_of(side));
   const std::string table = own ? side : "";
-  const auto known = law_of(entries, table);
-  if (!known) return std::nullopt;
+  const auto kind = law_of(entries, table);
+  if (!kind) return std::nullopt;
   const auto number = [&](Leaf leaf) { return entries.number(key(table, leaf)); };
   const auto e = number(restitution), at = number(speed);
-  const double damped = *known == Law::hunt_crossley && e > 0.0 && at ? lambda_of(*e, *at) : 0.0;
-  return Stop{*known, number(stiffness).value_or(1.0), number(damping).value_or(damped), !own};
+  const double damped = *kind == Law::hunt_crossley && e > 0.0 && at ? lambda_of(*e, *at) : 0.0;
+  return Stop{*kind, number(stiffness).value_or(1.0), number(damping).value_or(damped), !own};
 }
 
 std::optional<std::pair<std::string, double>> damping_by(const SceneEntries& entries, const std::string& of) {

@@ -82,10 +82,10 @@ std::string number_advice(const std::string& text) {
 std::string choice_problem(const SceneKey& key, const std::string& value) {
   const std::vector<std::string_view> names = key.choice_names();
   if (std::ranges::find(names, value) != names.end()) return {};
-  const std::string known = fmt::format("\"{}\"", fmt::join(names, "\", \""));
+  const std::string quoted = fmt::format("\"{}\"", fmt::join(names, "\", \""));
   const auto nearest = meant_name(value, names);
   return fmt::format("cannot be \"{}\"; {}", value,
-                     nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + known);
+                     nearest ? fmt::format("nearest is \"{}\"", *nearest) : "there are " + quoted);
 }
 
 std::string formula_problem(const SceneKey& key, const TomlValue& value, const Parameters& parameters) {

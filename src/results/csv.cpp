@@ -1,5 +1,6 @@
 #include "results/csv.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 
 #include <array>
@@ -15,7 +16,9 @@ std::array<double, 6> at_ends(const auto& of) {
 
 }  // namespace
 
-std::string ends_row(const Snapshot& at) { return fmt::format("{},{}", at.time, fmt::join(at_ends(at), ",")); }
+std::string ends_row(const Snapshot& at) {
+  return fmt::format(FMT_COMPILE("{},{}"), at.time, fmt::join(at_ends(at), ","));
+}
 
 std::string events_row(const Event& event) {
   return fmt::format("{},{},{},{}", event.time, place(event), event.change == Change::closing ? "closing" : "opening",
@@ -23,8 +26,8 @@ std::string events_row(const Event& event) {
 }
 
 std::string energy_row(double t, const EnergyState& energy) {
-  return fmt::format("{},{},{},{},{},{},{}", t, energy.kinetic, energy.elastic, energy.contact, energy.dissipated,
-                     energy.work, energy.total());
+  return fmt::format(FMT_COMPILE("{},{},{},{},{},{},{}"), t, energy.kinetic, energy.elastic, energy.contact,
+                     energy.dissipated, energy.work, energy.total());
 }
 
 std::string sensitivity_header(std::span<const Direction> directions) {

@@ -71,7 +71,7 @@ void export_xdmf(const FieldReader& field, const fs::path& target, const Asked& 
   std::vector<double> row;
   for (std::size_t k = 0; k < field.rows(); ++k) {
     look_at(stop);
-    text += xdmf::grid_head(k, field.times()[k], n);
+    xdmf::add_grid_head(text, k, field.times()[k], n);
     for (const Quantity quantity : FieldReader::quantities) {
       if (!field.has(quantity)) continue;
       row.resize(field.width(quantity));
@@ -79,7 +79,7 @@ void export_xdmf(const FieldReader& field, const fs::path& target, const Asked& 
       const char* name = FieldReader::name(quantity);
       const std::string place = fmt::format("{}/{}", name, k);
       write_dataset(path, file, place, std::array<hsize_t, 1>{row.size()}, row);
-      text += xdmf::attribute(name, row.size(), place);
+      xdmf::add_attribute(text, name, row.size(), place);
     }
     text += "</Grid>\n";
   }

@@ -115,7 +115,7 @@ class Verification {
     const std::string unknown = told.state == FileState::sound     ? "the run is not at its end"
                                 : told.state == FileState::damaged ? "the summary, which has its checksum, is damaged"
                                                                    : told.reason;
-    std::optional<RunCheckpoint> newest;
+    std::optional<RunCheckpoint> checkpoint;
     for (const char* name : {"checkpoint.bin", "checkpoint.previous.bin"}) {
       if (!found_.contains(name)) continue;
       const std::string bytes = file_content(directory_ / name);
@@ -127,7 +127,7 @@ class Verification {
       }
       tell(name, FileState::sound);
       try {
-        if (!newest) newest = decoded(bytes);
+        if (!checkpoint) checkpoint = decoded(bytes);
       } catch (const ArchiveError& error) {
         tell(name, FileState::sound, error.what());
       }
@@ -140,12 +140,12 @@ class Verification {
       }
       try {
         check();
-        tell(name, FileState::sound, fmt::format("up to the checkpoint at t = {:.6g}", newest->motion->time));
+        tell(name, FileState::sound, fmt::format("up to the checkpoint at t = {:.6g}", checkpoint->motion->time));
       } catch (const IoError& error) {
         tell(name, found_.contains(name) ? FileState::damaged : FileState::missing, error.what());
       }
     };
-    const GrowingFiles::Mark marks = newest ? newest->files : GrowingFiles::Mark{};
+    const GrowingFiles::Mark marks = checkpoint ? checkpoint->files : GrowingFiles::Mark{};
     for (std::size_t k = 0; k < marks.tables.size(); ++k)
       growing(GrowingFiles::names[k], marks.tables[k].has_value(),
               [&] { check_begin(directory_ / GrowingFiles::names[k], *marks.tables[k]); });

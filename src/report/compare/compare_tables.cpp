@@ -15,9 +15,6 @@ namespace viscobar {
 
 namespace {
 
-// Contacts of a span come node by node; a table of them all would tell nobody anything.
-constexpr std::size_t most_contacts = 30;
-
 std::string count(std::size_t value) { return fmt::format("{}", value); }
 
 std::string settings(const MethodRun& method, const NumberText& number) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -11,6 +12,9 @@ namespace viscobar {
 
 /// Units of norms in L2 over the bar: of the root of the integral of u^2, u_x^2 or v^2 over x.
 inline constexpr UnitPowers u_norm{1.5, 0.0, 0.0, 0.0}, strain_norm{0.5, 0.0, 0.0, 0.0}, v_norm{1.5, -1.0, 0.0, 0.0};
+
+/// Contacts of a span come node by node; a table of them all would tell nobody anything.
+inline constexpr std::size_t most_contacts = 30;
 
 /// A run beside its difference to another; null: there is none.
 struct ComparedRun {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "report/compare/compare_tables.hpp"
 #include "report/judge/judge_request.hpp"
 #include "report/measured.hpp"
 #include "report/number_text.hpp"
@@ -17,7 +18,6 @@ namespace viscobar {
 
 namespace {
 
-constexpr std::size_t most_contacts = 30;
 constexpr double more_than = 1.0 + 1e-6;  // of samples whose times are rounded
 
 // Files by their names, without the folders that all of them are in.

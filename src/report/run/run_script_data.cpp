@@ -58,7 +58,7 @@ std::string field_json(const ThinnedField& field, const FieldColours& colours) {
   for (std::size_t row = 0; row < field.rows(); ++row)
     for (const double u : field.row(row)) {
       const double part = size > 0.0 && std::isfinite(u) ? std::clamp((u - range.low) / size, 0.0, 1.0) : 0.0;
-      const auto q = static_cast<std::uint16_t>(std::lround(65535.0 * part));
+      const auto q = static_cast<std::uint16_t>(65535.0 * part + 0.5);
       bytes += static_cast<char>(q & 0xff);
       bytes += static_cast<char>(q >> 8);
     }

@@ -3,6 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <iterator>
 #include <utility>
 
 #include "results/output_file.hpp"
@@ -17,23 +18,25 @@ constexpr std::string_view head =
     "<Grid Name=\"bar\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 constexpr std::string_view closing_tags = "</Grid>\n</Domain>\n</Xdmf>\n";
 
-std::string grid_head(std::size_t row, double time, std::size_t nodes) {
-  const std::string text =
-      fmt::format(FMT_COMPILE("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n"), row, time);
+void add_grid_head(std::string& text, std::size_t row, double time, std::size_t nodes) {
+  const auto end = std::back_inserter(text);
+  fmt::format_to(end, FMT_COMPILE("<Grid Name=\"{}\" GridType=\"Uniform\"><Time Value=\"{}\"/>\n"), row, time);
   // The second and third child of the first grid: the mesh, which does not change.
   if (row > 0)
-    return text + "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
-  return text + fmt::format(
-                    "<Topology TopologyType=\"Polyline\" NumberOfElements=\"{1}\" NodesPerElement=\"2\"><DataItem "
-                    "Dimensions=\"{1} 2\" Format=\"HDF\" NumberType=\"Int\" "
-                    "Precision=\"4\">field.h5:/line</DataItem></Topology>\n"
-                    "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" "
-                    "NumberType=\"Float\" Precision=\"8\">field.h5:/points</DataItem></Geometry>\n",
-                    nodes, nodes - 1);
+    text += "<xi:include xpointer=\"element(/1/1/1/1/2)\"/><xi:include xpointer=\"element(/1/1/1/1/3)\"/>\n";
+  else
+    fmt::format_to(end,
+                   "<Topology TopologyType=\"Polyline\" NumberOfElements=\"{1}\" NodesPerElement=\"2\"><DataItem "
+                   "Dimensions=\"{1} 2\" Format=\"HDF\" NumberType=\"Int\" "
+                   "Precision=\"4\">field.h5:/line</DataItem></Topology>\n"
+                   "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"{0} 3\" Format=\"HDF\" "
+                   "NumberType=\"Float\" Precision=\"8\">field.h5:/points</DataItem></Geometry>\n",
+                   nodes, nodes - 1);
 }
 
-std::string attribute(std::string_view name, std::size_t values, std::string_view place) {
-  return fmt::format(
+void add_attribute(std::string& text, std::string_view name, std::size_t values, std::string_view place) {
+  fmt::format_to(
+      std::back_inserter(text),
       FMT_COMPILE(
           "<Attribute Name=\"{}\" Center=\"{}\"><DataItem Dimensions=\"{}\" Format=\"HDF\" NumberType=\"Float\" "
           "Precision=\"8\">field.h5:/{}</DataItem></Attribute>\n"),
@@ -83,7 +86,7 @@ void XdmfFile::publish() {
     Checksum written = written_;
     std::string text;
     for (std::size_t i = 0; i < pending_.size(); ++i) {
-      text += grid(rows_ + i, pending_[i]);
+      add_grid(text, rows_ + i, pending_[i]);
       if (text.size() < (1 << 20) && i + 1 < pending_.size()) continue;
       file.write_at(written.bytes, text);
       written.add(text);
@@ -107,16 +110,14 @@ Checksum XdmfFile::checksum() const {
   return whole;
 }
 
-std::string XdmfFile::grid(std::size_t row, double time) const {
-  std::string text = grid_head(row, time, nodes_);
-  for (const char* name : {"u", "v", "stress"}) {
-    const std::size_t values = name == std::string_view("stress") ? nodes_ - 1 : nodes_;
-    // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far
-    // as this row.
-    text +=
-        attribute(name, values, fmt::format(FMT_COMPILE("{0}|{1} 0:1 1:1 {2}:{3} {2}"), name, row, values, row + 1));
-  }
-  return text + "</Grid>\n";
+void XdmfFile::add_grid(std::string& text, std::size_t row, double time) const {
+  add_grid_head(text, row, time, nodes_);
+  // A row of the dataset, as start:stride:count:extent; it grows while the run lasts, so its extent is given as far as
+  // this row.
+  for (const auto& [name, values] : {std::pair{"u", nodes_}, {"v", nodes_}, {"stress", nodes_ - 1}})
+    add_attribute(text, name, values,
+                  fmt::format(FMT_COMPILE("{0}|{1} 0:1 1:1 {2}:{3} {2}"), name, row, values, row + 1));
+  text += "</Grid>\n";
 }
 
 }  // namespace viscobar

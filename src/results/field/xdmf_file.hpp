@@ -19,10 +19,10 @@ namespace xdmf {
 extern const std::string_view head, closing_tags;
 
 /// The beginning of a grid, which ends with "</Grid>\n".
-std::string grid_head(std::size_t row, double time, std::size_t nodes);
+void add_grid_head(std::string& text, std::size_t row, double time, std::size_t nodes);
 
 /// A quantity of a grid; `name` is u, v or stress, `place` says where its values are in field.h5.
-std::string attribute(std::string_view name, std::size_t values, std::string_view place);
+void add_attribute(std::string& text, std::string_view name, std::size_t values, std::string_view place);
 
 std::vector<double> points(std::span<const double> x);  ///< (J+1) x 3, the nodes in space
 std::vector<int> line(std::size_t nodes);               ///< J x 2, the nodes of each element
@@ -46,7 +46,7 @@ class XdmfFile {
  private:
   using Clock = std::chrono::steady_clock;
   void publish();
-  std::string grid(std::size_t row, double time) const;
+  void add_grid(std::string& text, std::size_t row, double time) const;
 
   std::filesystem::path path_;
   std::size_t nodes_, rows_ = 0;

@@ -96,34 +96,34 @@ Distance distance_over(const std::vector<double>& times, auto&& difference) {
 }
 
 void judge_energy(JudgedSolution& judged, const TheirSolution& theirs, const Scene& scene) {
-  struct Place {
+  struct Station {
     double x;
     const JudgedColumn *u, *v;
   };
   if (!scene.chain.empty()) return;
   const Bar& bar = scene.bar;
-  std::vector<Place> places;
+  std::vector<Station> places;
   for (const JudgedColumn& column : judged.columns) {
     const auto [of, place] = column_of(column.name, scene);
     const double x = of == TraceColumn::u_right ? bar.length : place;
     const auto v = std::ranges::find(judged.columns, "v" + column.name.substr(1), &JudgedColumn::name);
-    if (!column.jumps() && v != judged.columns.end() && std::ranges::find(places, x, &Place::x) == places.end())
+    if (!column.jumps() && v != judged.columns.end() && std::ranges::find(places, x, &Station::x) == places.end())
       places.push_back({x, &column, &*v});
   }
   if (places.size() < 3) return;
-  std::ranges::sort(places, {}, &Place::x);
+  std::ranges::sort(places, {}, &Station::x);
   // Kinetic and elastic energy of the P1 function through the places, and of what is on the ends among them.
   const auto energy_at = [&](std::size_t k, auto whose) {
-    const auto u = [&](const Place& place) { return (place.u->*whose)[k]; };
-    const auto v = [&](const Place& place) { return (place.v->*whose)[k]; };
+    const auto u = [&](const Station& place) { return (place.u->*whose)[k]; };
+    const auto v = [&](const Station& place) { return (place.v->*whose)[k]; };
     double energy = 0.0;
     for (std::size_t i = 1; i < places.size(); ++i) {
-      const Place &one = places[i - 1], &other = places[i];
+      const Station &one = places[i - 1], &other = places[i];
       const double h = other.x - one.x;
       energy += bar.density * h / 6.0 * (v(one) * v(one) + v(one) * v(other) + v(other) * v(other)) +
                 0.5 * bar.modulus / h * (u(other) - u(one)) * (u(other) - u(one));
     }
-    for (const Place& place : places)
+    for (const Station& place : places)
       for (const auto& [x, input] : {std::pair(0.0, &scene.left_input), std::pair(bar.length, &scene.right_input)})
         if (place.x == x) energy += 0.5 * (input->mass * v(place) * v(place) + input->stiffness * u(place) * u(place));
     return energy;
