@@ -83,39 +83,86 @@ bool is_another(const Minimum& other, const Minimum& best, const FitResult& resu
   return false;
 }
 
-// How many times as long as this step, one deviation by the derivatives, a deviation is: half of the way on which S
-// rises by four times its variance; 1 where that is as far as they say. Beside a jump they know one side of a valley
-// that is wide on the other.
-double reach(Search& search, const FitStudy& study, const Minimum& best, const Eigen::VectorXd& step,
+// How many times as long as this step, one deviation of parameter k by the derivatives, a deviation is: half of the way
+// on which S rises by four times its variance; 1 where that is as far as they say. Beside a jump they know one side of
+// a valley that is wide on the other, and behind a ridge S may be low again.
+double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, const Eigen::VectorXd& step,
              std::optional<Eigen::VectorXd>& lower) {
   constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
+  constexpr std::size_t behind = 2, few_runs = 8;
+  const std::size_t most_runs = 10 * study.most_runs;
   const double variance = best.misfit.variance(step.size()), least = best.misfit.sum();
   const double enough = sigmas * sigmas * variance;
+  const auto is_between = [&](Eigen::Index j, double value) {
+    return study.parameters[j].low <= value && value <= study.parameters[j].high;
+  };
   const auto within = [&](const Eigen::VectorXd& values) {
-    for (Eigen::Index k = 0; k < step.size(); ++k)
-      if (values(k) < study.parameters[k].low || values(k) > study.parameters[k].high) return false;
+    for (Eigen::Index j = 0; j < step.size(); ++j)
+      if (!is_between(j, values(j))) return false;
     return true;
   };
   const auto rise_at = [&](double times) {
     return search.at(best.at + times * step, best.compared, false).sum() - least;
   };
+  // S has a valley that bends: the others find its floor.
+  const auto rise_of_floor = [&](double times) {
+    Eigen::VectorXd values = best.at + times * step;
+    if (!is_between(k, values(k))) return static_cast<double>(INFINITY);
+    for (Eigen::Index j = 0; j < step.size(); ++j)
+      if (j != k) values(j) = search.limited(j, best.at(j), values(j));
+    Eigen::VectorXd stay = best.at;
+    stay(k) = values(k);
+    search.held = k;
+    double rise = INFINITY;
+    for (const Eigen::VectorXd& from : {values, stay}) {
+      const Minimum floor = search.minimum_from(from, best.compared, few_runs);
+      if (floor.misfit.sum() - least < -0.03 * variance && !lower) lower = floor.at;
+      rise = std::min(rise, floor.misfit.sum() - least);
+      if (step.size() == 1) break;
+    }
+    search.held.reset();
+    return rise;
+  };
+  const auto look_behind = [&](double times) {
+    for (std::size_t i = 0; i < behind; ++i) rise_of_floor(times *= widening);
+  };
   double before = 0.0, risen = 0.0;
   for (double times = sigmas; times < farthest; times *= widening) {
     const bool first = times == sigmas, inside = within(best.at + times * step);
     if (!inside && !first) return times / sigmas;
-    const double rise = inside ? rise_at(times) : INFINITY;
+    double rise = inside ? rise_at(times) : INFINITY;
     if (rise < -0.03 * variance && !lower) lower = best.at + times * step;
+    if (first && !(rise <= 4.0 * enough)) rise = std::min(rise, rise_of_floor(times));
     if (first && !(rise <= 4.0 * enough)) {  // a bound or a jump is nearer than the derivatives know
+      look_behind(times);
       double part = 0.5 * sigmas;
-      while (part > 1e-3 && !(within(best.at + part * step) && rise_at(part) <= enough)) part *= 0.5;
+      while (part > 1e-3 && !(rise_of_floor(part) <= enough)) {
+        if (search.runs >= most_runs) return 1.0;
+        part *= 0.7;
+      }
       return 2.0 * part / sigmas;
     }
+    if (rise >= enough || (first && rise > 0.75 * enough)) look_behind(times);
     if (first && rise > 0.75 * enough) return 1.0;
     if (!std::isfinite(rise)) return times / sigmas;
     if (rise >= enough) return (before + (times - before) * (enough - risen) / (rise - risen)) / sigmas;
     before = times, risen = std::max(rise, 0.0);
   }
   return farthest;
+}
+
+// A deviation that S allows by all runs made: where it is quadratic, |p_k - best_k| <= deviation (rise of S / its
+// variance)^(1/2) anywhere.
+double deviation_of_tried(const Search& search, const Minimum& best, Eigen::Index k) {
+  constexpr double farthest = 9.0;
+  const double variance = best.misfit.variance(best.at.size());
+  double deviation = 0.0;
+  for (const auto& [at, compared, sum] : search.tried) {
+    const double rise = (sum - best.misfit.sum()) / variance;
+    if (compared == best.compared && rise <= farthest)
+      deviation = std::max(deviation, std::abs(at(k) - best.at(k)) / std::sqrt(std::max(rise, 1.0)));
+  }
+  return deviation;
 }
 
 }  // namespace
@@ -192,7 +239,9 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     if (result.residual > small_residual) {  // noise is left, and not what runs are wrong by
       Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
-      longer(a) = std::max(reach(search, study, best, step, lower), reach(search, study, best, -step, lower));
+      longer(a) =
+          std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
+                    deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
     }
     const double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
     const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
