@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -33,9 +34,33 @@ bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
          sizes[static_cast<std::size_t>(m / 2)] < 0.3 * std::sqrt(sum / size);
 }
 
+// What the largest of so many numbers of noise, counted in its deviation, exceeds once in a thousand times.
+double largest_of_noise(double count) { return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0)); }
+
+// True if the model stays on one side of a trace for a stretch as noise does once in a thousand fits: the mean of L
+// samples of noise has the deviation L^(-1/2). Stretches of 2, 4, ... samples, half over each other, are two for each
+// sample. Noise is no smaller than the deviation given; where nobody gave it, less than one is no matter.
+bool has_stretch(const FitStudy& study, const Eigen::VectorXd& residual) {
+  const double bound = std::pow(largest_of_noise(2.0 * static_cast<double>(residual.size())), 2);
+  Eigen::Index begin = 0;
+  for (const MeasuredTrace& trace : study.traces) {
+    const Eigen::Index m = std::ranges::count_if(trace.values, [](double value) { return !std::isnan(value); });
+    const auto part = residual.segment(begin, m);
+    begin += m;
+    for (Eigen::Index length = 2; 2 * length <= m; length *= 2)
+      for (Eigen::Index at = 0; at + length <= m; at += length / 2) {
+        const double sum = part.segment(at, length).sum(), size = static_cast<double>(length);
+        const double rest = (part.squaredNorm() - sum * sum / size) / static_cast<double>(m - 1);
+        if (sum * sum / size > bound * std::max(rest, 1.0) && (!trace.assumed || std::abs(sum) > size)) return true;
+      }
+  }
+  return false;
+}
+
 bool is_large(const FitStudy& study, const Misfit& misfit) {
   const Eigen::Index n = std::ssize(study.parameters);
   const double residual = residual_of(misfit, n);
+  if (misfit.residual.size() >= n + 8 && has_stretch(study, misfit.residual)) return true;
   if (residual <= curved_residual) return false;
   const bool assumed = std::ranges::all_of(study.traces, &MeasuredTrace::assumed) && study.changes.empty();
   if (residual > large_residual && !assumed) return true;
@@ -178,7 +203,9 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
 }
 
 bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
-  return is_explained(study, exact) && exact.residual.cwiseAbs().maxCoeff() <= 5.0 * std::max(noise, small_residual);
+  return is_explained(study, exact) &&
+         exact.residual.cwiseAbs().maxCoeff() <=
+             largest_of_noise(static_cast<double>(exact.residual.size())) * std::max(noise, small_residual);
 }
 
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {
