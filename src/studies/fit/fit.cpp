@@ -134,7 +134,9 @@ Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
 }
 
 // Values near the best at which a contact change lies on the other side of a sample beside it, where the data change
-// least.
+// least. A fiftieth of an interval behind the sample is more than a change misses by: of 400 random fits a 200th finds
+// the same, a tenth leaves one wrong. In the middle no sample is nearer; a quarter or all of an interval finds the
+// same, and so do 2 or 32 changes.
 std::vector<Eigen::VectorXd> across_samples(const Search& search, const FitStudy& study, const Minimum& best) {
   constexpr std::size_t most = 8;
   const Eigen::Index n = best.at.size();

@@ -34,7 +34,7 @@ bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
          sizes[static_cast<std::size_t>(m / 2)] < 0.3 * std::sqrt(sum / size);
 }
 
-// What the largest of so many numbers of noise, counted in its deviation, exceeds once in a thousand times.
+// The bound, in deviations, that the largest of so many numbers of noise exceeds once in a thousand times.
 double largest_of_noise(double count) { return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0)); }
 
 // True if the model stays on one side of a trace for a stretch as noise does once in a thousand fits: the mean of L
@@ -114,6 +114,9 @@ bool is_another(const Minimum& other, const Minimum& best, const FitResult& resu
 double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, const Eigen::VectorXd& step,
              std::optional<Eigen::VectorXd>& lower) {
   constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
+  // Deviations by the derivatives are kept where S says between a half and 1.15 of them: it rises by their square. Of
+  // 400 random fits 0.35 and 0.7, 1.05 and 1.4 leave as many wrong.
+  constexpr double shortest = 0.5, longest = 1.15;
   constexpr std::size_t behind = 2, few_runs = 8;
   const std::size_t most_runs = 10 * study.most_runs;
   const double variance = best.misfit.variance(step.size()), least = best.misfit.sum();
@@ -157,8 +160,8 @@ double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::
     if (!inside && !first) return times / sigmas;
     double rise = inside ? rise_at(times) : INFINITY;
     if (rise < -0.03 * variance && !lower) lower = best.at + times * step;
-    if (first && !(rise <= 4.0 * enough)) rise = std::min(rise, rise_of_floor(times));
-    if (first && !(rise <= 4.0 * enough)) {  // a bound or a jump is nearer than the derivatives know
+    if (first && !(rise * shortest * shortest <= enough)) rise = std::min(rise, rise_of_floor(times));
+    if (first && !(rise * shortest * shortest <= enough)) {  // a bound or a jump is nearer than the derivatives know
       look_behind(times);
       double part = 0.5 * sigmas;
       while (part > 1e-3 && !(rise_of_floor(part) <= enough)) {
@@ -167,8 +170,9 @@ double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::
       }
       return 2.0 * part / sigmas;
     }
-    if (rise >= enough || (first && rise > 0.75 * enough)) look_behind(times);
-    if (first && rise > 0.75 * enough) return 1.0;
+    const bool kept = first && rise * longest * longest > enough;
+    if (kept || rise >= enough) look_behind(times);
+    if (kept) return 1.0;
     if (!std::isfinite(rise)) return times / sigmas;
     if (rise >= enough) return (before + (times - before) * (enough - risen) / (rise - risen)) / sigmas;
     before = times, risen = std::max(rise, 0.0);
