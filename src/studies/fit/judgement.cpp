@@ -171,7 +171,9 @@ double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::
       return 2.0 * part / sigmas;
     }
     const bool kept = first && rise * longest * longest > enough;
-    if (kept || rise >= enough) look_behind(times);
+    // Smooth data have no ridge behind where S rises as its derivatives say.
+    const bool quadratic = kept && std::abs(rise - enough) <= 0.05 * enough;
+    if ((kept || rise >= enough) && (search.jumps() || !quadratic)) look_behind(times);
     if (kept) return 1.0;
     if (!std::isfinite(rise)) return times / sigmas;
     if (rise >= enough) return (before + (times - before) * (enough - risen) / (rise - risen)) / sigmas;
