@@ -192,7 +192,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
   };
   const Recording exact = record(bar(truth));
   study.times = exact.times;
-  const double noise = draw.chance(0.5) ? 0.01 : 0.0;
+  const double noise = made.noise = draw.chance(0.5) ? 0.01 : 0.0;
   made.words = fmt::format("{} of {}, noise {},", name(method), end, noise);
   for (const TraceColumn column : all_trace_columns) {
     if (!draw.chance(column == TraceColumn::u_left ? 0.7 : 0.4) &&
@@ -256,6 +256,11 @@ Judged judge(const RandomFit& one, std::size_t starts) {
   Judged judged;
   judged.found = least - best <= tolerance + 1e-6 * variance;
   judged.excess = (least - best) / std::max(variance, 1e-4);
+  for (std::size_t k = 0; k < one.truth.size(); ++k) {
+    const auto& [key, estimate, deviation, bound] = found.parameters[k];
+    if (std::isnan(deviation)) continue;
+    judged.off = std::max(judged.off, std::abs(estimate - one.truth[k]) / std::max(deviation, 1e-3 * one.truth[k]));
+  }
   judged.converged = found.converged;
   judged.runs = found.runs;
   return judged;

@@ -16,7 +16,8 @@ namespace viscobar::random_fits {
 struct RandomFit {
   FitStudy study;
   std::vector<double> truth;
-  std::string words;  ///< description of the fit
+  double noise = 0.0;  ///< of the largest value of each column
+  std::string words;   ///< description of the fit
 };
 RandomFit random_fit(std::uint64_t seed, std::size_t index);
 
@@ -24,6 +25,7 @@ struct Judged {
   bool found = false;      ///< S is no larger than the least of plain searches from other starts
   bool converged = false;  ///< it says that it is to be relied on
   double excess = 0.0;     ///< S over that, in variances of the noise or of 1 % of the deviations
+  double off = 0.0;        ///< the largest distance of a parameter from the truth, in deviations told, or 0.1 % of it
   std::size_t runs = 0;
 };
 

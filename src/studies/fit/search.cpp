@@ -222,6 +222,7 @@ Misfit Search::at(const Eigen::VectorXd& values, Compared compared, bool derivat
   try {
     Misfit misfit = run(values, compared, derivatives && !study_.differences);
     if (most_steps_ == unlimited) most_steps_ = 1000 + 50 * misfit.steps;
+    if (misfit.sound) tried.push_back({values, compared, misfit.sum()});
     // Where derivatives end, differences go on.
     if (derivatives && misfit.sound && (study_.differences || misfit.lost)) difference(values, compared, misfit);
     return misfit;
@@ -262,8 +263,9 @@ Misfit Search::run(const Eigen::VectorXd& values, Compared compared, bool deriva
 }
 
 void Search::difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit) {
-  misfit.jacobian.resize(misfit.residual.size(), n_);
+  misfit.jacobian.setZero(misfit.residual.size(), n_);
   for (Eigen::Index k = 0; k < n_; ++k) {
+    if (k == held) continue;
     const FittedParameter& parameter = study_.parameters[k];
     const double step = 1e-4 * std::max({std::abs(values(k)), 1e-2 * std::abs(parameter.start), 1e-6});
     const double forth = values(k) + step <= parameter.high ? step : -step;
@@ -315,7 +317,7 @@ Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::si
     const Eigen::VectorXd gradient = jacobian.transpose() * now.misfit.residual;
     std::vector<Eigen::Index> free;
     for (Eigen::Index k = 0; k < n_; ++k)
-      if (!leaves(study_.parameters[k], now.at(k), -gradient(k))) free.push_back(k);
+      if (k != held && !leaves(study_.parameters[k], now.at(k), -gradient(k))) free.push_back(k);
     if (free.empty()) return converged("all parameters are at their bounds");
     const Eigen::MatrixXd part = jacobian(Eigen::all, free);
     const Eigen::MatrixXd normal = part.transpose() * part;

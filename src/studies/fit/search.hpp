@@ -71,6 +71,13 @@ class Search {
   explicit Search(const FitStudy& study) : study_(study), n_(std::ssize(study.parameters)) {}
 
   std::size_t runs = 0;
+  std::optional<Eigen::Index> held;  ///< a parameter that no descent moves
+  struct Tried {
+    Eigen::VectorXd at;
+    Compared compared;
+    double sum;  ///< S
+  };
+  std::vector<Tried> tried;  ///< all runs that succeeded but differences
 
   /// A run at these values; of one that fails, why. A trial run takes no more than so many times the steps of the
   /// first.

@@ -1,0 +1,326 @@
+#include "studies/fit/judgement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "discretisation/dense.hpp"
+
+namespace viscobar::fitting {
+
+namespace {
+
+// Residuals, in deviations: so large that the model is not the data's, and so large where it follows a curve.
+constexpr double large_residual = 3.0, curved_residual = 1.2;
+
+// True if the residual is no noise. Either it follows a curve, so that successive values are alike: squared differences
+// of noise are twice its squares, to 2 / m^(1/2). Or it stands out at few places: the median of noise is two thirds of
+// its root mean square. True for numbers too few to tell.
+bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
+  const Eigen::Index m = residual.size();
+  if (m < parameters + 8) return true;
+  const double sum = residual.squaredNorm(), size = static_cast<double>(m);
+  std::vector<double> sizes(residual.begin(), residual.end());
+  for (double& one : sizes) one = std::abs(one);
+  std::ranges::nth_element(sizes, sizes.begin() + m / 2);
+  return (residual.tail(m - 1) - residual.head(m - 1)).squaredNorm() <
+             std::max(1.2, 2.0 - 6.0 / std::sqrt(size)) * sum ||
+         sizes[static_cast<std::size_t>(m / 2)] < 0.3 * std::sqrt(sum / size);
+}
+
+// The bound, in deviations, that the largest of so many numbers of noise exceeds once in a thousand times.
+double largest_of_noise(double count) { return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0)); }
+
+// True if the model stays on one side of a trace for a stretch as noise does once in a thousand fits: the mean of L
+// samples of noise has the deviation L^(-1/2). Stretches of 2, 4, ... samples, half over each other, are two for each
+// sample. Noise is no smaller than the deviation given; where nobody gave it, less than one is no matter.
+bool has_stretch(const FitStudy& study, const Eigen::VectorXd& residual) {
+  const double bound = std::pow(largest_of_noise(2.0 * static_cast<double>(residual.size())), 2);
+  Eigen::Index begin = 0;
+  for (const MeasuredTrace& trace : study.traces) {
+    const Eigen::Index m = std::ranges::count_if(trace.values, [](double value) { return !std::isnan(value); });
+    const auto part = residual.segment(begin, m);
+    begin += m;
+    for (Eigen::Index length = 2; 2 * length <= m; length *= 2)
+      for (Eigen::Index at = 0; at + length <= m; at += length / 2) {
+        const double sum = part.segment(at, length).sum(), size = static_cast<double>(length);
+        const double rest = (part.squaredNorm() - sum * sum / size) / static_cast<double>(m - 1);
+        if (sum * sum / size > bound * std::max(rest, 1.0) && (!trace.assumed || std::abs(sum) > size)) return true;
+      }
+  }
+  return false;
+}
+
+bool is_large(const FitStudy& study, const Misfit& misfit) {
+  const Eigen::Index n = std::ssize(study.parameters);
+  const double residual = residual_of(misfit, n);
+  if (misfit.residual.size() >= n + 8 && has_stretch(study, misfit.residual)) return true;
+  if (residual <= curved_residual) return false;
+  const bool assumed = std::ranges::all_of(study.traces, &MeasuredTrace::assumed) && study.changes.empty();
+  if (residual > large_residual && !assumed) return true;
+  return misfit.residual.size() >= n + 8 || residual > large_residual ? is_systematic(misfit.residual, n) : false;
+}
+
+// The same case with half of the errors of its mesh, its steps and its tolerances, or less.
+Case finer(Case run) {
+  run.elements *= 2;
+  run.tolerance.relative = std::max(0.1 * run.tolerance.relative, 1e-13);
+  if (run.tolerance.absolute) *run.tolerance.absolute *= 0.1;
+  if (run.step) *run.step *= 0.5;
+  run.directions.clear();
+  return run;
+}
+
+// How far the model's own error moves the parameters, counted in `scale`: what a finer run changes its values by, twice
+// for an error of order one, taken for data that are wrong by so much.
+Eigen::VectorXd model_error(Search& search, const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
+                            const Eigen::MatrixXd& inverse, FitResult& result) {
+  try {
+    const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
+    if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
+    ++result.runs;
+    // A finer run has contact changes on the other side of a sample, which is no error of so much.
+    const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
+    const Misfit coarse = best.compared == Compared::exact ? search.at(best.at, Compared::samples, false) : best.misfit;
+    return 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    result.warnings.push_back(fmt::format("the model's own error is not in the deviations: {}", error.what()));
+    return Eigen::VectorXd::Zero(inverse.rows());
+  }
+}
+
+// Other values than the best that meet the data as well.
+bool is_another(const Minimum& other, const Minimum& best, const FitResult& result) {
+  const double variance = std::max(std::pow(result.residual, 2), std::pow(small_residual, 2));
+  if (!other.misfit.sound || other.misfit.sum() - best.misfit.sum() > 4.0 * variance) return false;
+  for (Eigen::Index k = 0; k < best.at.size(); ++k) {
+    const double deviation = result.parameters[k].standard_deviation;  // NaN: whatever the value, the data agree
+    if (std::abs(other.at(k) - best.at(k)) > std::max(5.0 * deviation, 0.01 * std::abs(best.at(k)))) return true;
+  }
+  return false;
+}
+
+// How many times as long as this step, one deviation of parameter k by the derivatives, a deviation is: half of the way
+// on which S rises by four times its variance; 1 where that is as far as they say. Beside a jump they know one side of
+// a valley that is wide on the other, and behind a ridge S may be low again.
+double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, const Eigen::VectorXd& step,
+             std::optional<Eigen::VectorXd>& lower) {
+  constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
+  // Deviations by the derivatives are kept where S says between a half and 1.15 of them: it rises by their square. Of
+  // 400 random fits 0.35 and 0.7, 1.05 and 1.4 leave as many wrong.
+  constexpr double shortest = 0.5, longest = 1.15;
+  constexpr std::size_t behind = 2, few_runs = 8;
+  const std::size_t most_runs = 10 * study.most_runs;
+  const double variance = best.misfit.variance(step.size()), least = best.misfit.sum();
+  const double enough = sigmas * sigmas * variance;
+  const auto is_between = [&](Eigen::Index j, double value) {
+    return study.parameters[j].low <= value && value <= study.parameters[j].high;
+  };
+  const auto within = [&](const Eigen::VectorXd& values) {
+    for (Eigen::Index j = 0; j < step.size(); ++j)
+      if (!is_between(j, values(j))) return false;
+    return true;
+  };
+  const auto rise_at = [&](double times) {
+    return search.at(best.at + times * step, best.compared, false).sum() - least;
+  };
+  // S has a valley that bends: the others find its floor.
+  const auto rise_of_floor = [&](double times) {
+    Eigen::VectorXd values = best.at + times * step;
+    if (!is_between(k, values(k))) return static_cast<double>(INFINITY);
+    for (Eigen::Index j = 0; j < step.size(); ++j)
+      if (j != k) values(j) = search.limited(j, best.at(j), values(j));
+    Eigen::VectorXd stay = best.at;
+    stay(k) = values(k);
+    search.held = k;
+    double rise = INFINITY;
+    for (const Eigen::VectorXd& from : {values, stay}) {
+      const Minimum floor = search.minimum_from(from, best.compared, few_runs);
+      if (floor.misfit.sum() - least < -0.03 * variance && !lower) lower = floor.at;
+      rise = std::min(rise, floor.misfit.sum() - least);
+      if (step.size() == 1) break;
+    }
+    search.held.reset();
+    return rise;
+  };
+  const auto look_behind = [&](double times) {
+    for (std::size_t i = 0; i < behind; ++i) rise_of_floor(times *= widening);
+  };
+  double before = 0.0, risen = 0.0;
+  for (double times = sigmas; times < farthest; times *= widening) {
+    const bool first = times == sigmas, inside = within(best.at + times * step);
+    if (!inside && !first) return times / sigmas;
+    double rise = inside ? rise_at(times) : INFINITY;
+    if (rise < -0.03 * variance && !lower) lower = best.at + times * step;
+    if (first && !(rise * shortest * shortest <= enough)) rise = std::min(rise, rise_of_floor(times));
+    if (first && !(rise * shortest * shortest <= enough)) {  // a bound or a jump is nearer than the derivatives know
+      look_behind(times);
+      double part = 0.5 * sigmas;
+      while (part > 1e-3 && !(rise_of_floor(part) <= enough)) {
+        if (search.runs >= most_runs) return 1.0;
+        part *= 0.7;
+      }
+      return 2.0 * part / sigmas;
+    }
+    const bool kept = first && rise * longest * longest > enough;
+    // Smooth data have no ridge behind where S rises as its derivatives say.
+    const bool quadratic = kept && std::abs(rise - enough) <= 0.05 * enough;
+    if ((kept || rise >= enough) && (search.jumps() || !quadratic)) look_behind(times);
+    if (kept) return 1.0;
+    if (!std::isfinite(rise)) return times / sigmas;
+    if (rise >= enough) return (before + (times - before) * (enough - risen) / (rise - risen)) / sigmas;
+    before = times, risen = std::max(rise, 0.0);
+  }
+  return farthest;
+}
+
+// A deviation that S allows by all runs made: where it is quadratic, |p_k - best_k| <= deviation (rise of S / its
+// variance)^(1/2) anywhere.
+double deviation_of_tried(const Search& search, const Minimum& best, Eigen::Index k) {
+  constexpr double farthest = 9.0;
+  const double variance = best.misfit.variance(best.at.size());
+  double deviation = 0.0;
+  for (const auto& [at, compared, sum] : search.tried) {
+    const double rise = (sum - best.misfit.sum()) / variance;
+    if (compared == best.compared && rise <= farthest)
+      deviation = std::max(deviation, std::abs(at(k) - best.at(k)) / std::sqrt(std::max(rise, 1.0)));
+  }
+  return deviation;
+}
+
+}  // namespace
+
+double residual_of(const Misfit& misfit, Eigen::Index parameters) {
+  return std::sqrt(misfit.sum() / static_cast<double>(std::max<Eigen::Index>(misfit.residual.size() - parameters, 1)));
+}
+
+bool is_explained(const FitStudy& study, const Misfit& misfit) {
+  const Eigen::Index n = std::ssize(study.parameters);
+  if (!misfit.sound) return false;
+  return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
+}
+
+bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
+  return is_explained(study, exact) &&
+         exact.residual.cwiseAbs().maxCoeff() <=
+             largest_of_noise(static_cast<double>(exact.residual.size())) * std::max(noise, small_residual);
+}
+
+std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {
+  const Eigen::Index n = std::ssize(study.parameters);
+  const Misfit& misfit = best.misfit;
+  const double variance = misfit.variance(n);
+  result.residual = residual_of(misfit, n);
+  result.measured = static_cast<std::size_t>(misfit.residual.size());
+  result.freedom = static_cast<std::size_t>(std::max<Eigen::Index>(misfit.residual.size() - n, 0));
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto size = static_cast<std::size_t>(n);
+  result.covariance.assign(size * size, none);
+  result.correlation.assign(size * size, none);
+  result.model_errors.assign(size, none);
+
+  Eigen::VectorXd scale(n);
+  std::vector<Eigen::Index> free;
+  const Eigen::VectorXd gradient = misfit.jacobian.transpose() * misfit.residual;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const FittedParameter& parameter = study.parameters[k];
+    const double range = parameter.high - parameter.low;
+    scale(k) = best.at(k) != 0.0 ? std::abs(best.at(k)) : std::isfinite(range) ? range : 1.0;
+    // Or the model jumps right behind it: data do not tell a parameter to a part in 1e9.
+    const bool bound = leaves(parameter, best.at(k), -gradient(k)) ||
+                       (on_bound(parameter, best.at(k)) && 1e-9 * scale(k) * misfit.jacobian.col(k).norm() > 1.0);
+    result.parameters.push_back({parameter.key, best.at(k), none, bound});
+    if (!bound) free.push_back(k);
+  }
+  std::optional<Eigen::VectorXd> lower;
+  if (free.empty()) return lower;
+  const auto count = std::ssize(free);
+  const Eigen::MatrixXd scaled = misfit.jacobian(Eigen::all, free) * scale(free).asDiagonal();
+  const auto [values, directions] = singular_values(scaled);
+  // Smaller singular values are below rounding: their directions leave the model as it is.
+  const double least = std::max(1e-8 * values(0), 1e-6);
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
+  std::vector<bool> known(size, true);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    result.singular_values.push_back(values(j));
+    const Eigen::VectorXd direction = directions.col(j);
+    if (values(j) > least) {
+      inverse += direction * direction.transpose() / (values(j) * values(j));
+      continue;
+    }
+    Undetermined lack{values(0) > 0.0 ? values(j) / values(0) : 0.0, std::vector<double>(size, 0.0)};
+    for (Eigen::Index a = 0; a < count; ++a) {
+      lack.shares[free[a]] = direction(a);
+      if (std::abs(direction(a)) > 1e-3) known[free[a]] = false;
+    }
+    result.undetermined.push_back(std::move(lack));
+  }
+  const Eigen::VectorXd moved = model_error(search, study, best, scaled, inverse, result);
+  Eigen::VectorXd longer = Eigen::VectorXd::Ones(count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const FittedParameter& parameter = study.parameters[free[a]];
+    Estimate& one = result.parameters[free[a]];
+    if (!known[free[a]]) continue;
+    if (result.residual > small_residual) {  // noise is left, and not what runs are wrong by
+      Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+      step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
+      longer(a) =
+          std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
+                    deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
+    }
+    const double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
+    const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
+    // A step of one deviation leaves the bounds, or what the parameter is large by.
+    if (deviation > std::min(0.5 * (parameter.high - parameter.low),
+                             10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)))) {
+      known[free[a]] = false;
+      result.undetermined.push_back(
+          {inverse(a, a) > 0.0 ? 1.0 / std::sqrt(inverse(a, a)) / values(0) : 0.0, std::vector<double>(size, 0.0)});
+      result.undetermined.back().shares[free[a]] = 1.0;
+      continue;
+    }
+    result.model_errors[free[a]] = error;
+    if (deviation > 0.0) one.standard_deviation = deviation;
+  }
+  for (Eigen::Index a = 0; a < count; ++a)
+    for (Eigen::Index b = 0; b < count; ++b) {
+      if (!known[free[a]] || !known[free[b]]) continue;
+      const double covariance = variance * longer(a) * scale(free[a]) * longer(b) * scale(free[b]) * inverse(a, b);
+      const std::size_t at = static_cast<std::size_t>(free[a] * n + free[b]);
+      result.covariance[at] = covariance + (a == b ? std::pow(result.model_errors[free[a]], 2) : 0.0);
+      result.correlation[at] = inverse(a, b) / std::sqrt(inverse(a, a) * inverse(b, b));
+    }
+  return lower;
+}
+
+void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
+  const std::size_t before = result.warnings.size();
+  if (is_large(study, best.misfit))
+    result.warnings.push_back(
+        fmt::format("the model stays {:.3g} deviations away from the data: either it is not theirs, or these are not "
+                    "the values; other starts, bounds, or parameters that are held now may help",
+                    result.residual));
+  for (const Minimum& other : found)
+    if (is_another(other, best, result)) {
+      std::string values;
+      for (Eigen::Index k = 0; k < other.at.size(); ++k)
+        values += fmt::format("{}{} = {:.6g}", values.empty() ? "" : ", ", study.parameters[k].key, other.at(k));
+      result.warnings.push_back("starts disagree: other values meet the data as well: " + values);
+      break;
+    }
+  const bool bound = std::ranges::any_of(result.parameters, &Estimate::at_bound);
+  if (result.converged && result.warnings.size() == before && !bound && result.undetermined.empty()) return;
+  if (!result.converged && result.warnings.size() == before) result.warnings.push_back("the search: " + result.reason);
+  if (result.converged) result.reason = "it came to a minimum that is not to be relied on: see the warnings";
+  result.converged = false;
+}
+
+}  // namespace viscobar::fitting

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "studies/fit/search.hpp"
+
+namespace viscobar::fitting {
+
+/// A residual, in deviations, so small that no other minimum is of interest.
+inline constexpr double small_residual = 0.01;
+
+/// (S / (m - n))^(1/2), m numbers measured and n parameters; S^(1/2) where m is n or less.
+double residual_of(const Misfit& misfit, Eigen::Index parameters);
+/// True if the residual is noise, or too small to be of interest.
+bool is_explained(const FitStudy& study, const Misfit& misfit);
+/// True if so is that of the samples as they are, and none of them stands out of this noise.
+bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise);
+
+/// Estimates, deviations and covariance of a minimum. Returns values that meet the data better, if it has come upon
+/// some.
+std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result);
+/// Warns of what makes the best of the minima found unreliable; then `converged` is false.
+void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result);
+
+}  // namespace viscobar::fitting
