@@ -35,7 +35,11 @@ bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
 }
 
 // The bound, in deviations, that the largest of so many numbers of noise exceeds once in a thousand times.
-double largest_of_noise(double count) { return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0)); }
+double largest_of_noise(double count) {
+  // In long double it would start with numbers that valgrind's 64 bits cannot hold.
+  const boost::math::policies::policy<boost::math::policies::promote_double<false>> in_double;
+  return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0), in_double);
+}
 
 // True if the model stays on one side of a trace for a stretch as noise does once in a thousand fits: the mean of L
 // samples of noise has the deviation L^(-1/2). Stretches of 2, 4, ... samples, half over each other, are two for each
