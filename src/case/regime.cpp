@@ -10,6 +10,7 @@
 #include "case/chatter.hpp"
 #include "case/method_table.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
 
@@ -341,6 +342,46 @@ std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& sy
       "strains: the data make strains of about {:.2g}, and the model holds for small ones; look at the units of "
       "velocities, loads and modulus",
       strain);
+}
+
+std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& system) {
+  const Case& run = setup.run;
+  const auto gives_way = [](const Contact& contact) { return contact.where == Where::span; };
+  if (system.mass() != Mass::fourth_order || system.rows_alike() || run.method == MethodName::characteristics ||
+      has_stops(run.scene) || system.size() < 4 || std::ranges::any_of(system.contacts(), gives_way))
+    return std::nullopt;
+  constexpr double noticed = 0.05;  // of a velocity
+  const double scale = natural_scales(system, run.end).velocity();
+  PenalisedSystem free(system, Penalty{0.0, 0.0});
+  const State start = system.initial_state();
+  std::vector<double> force(system.size()), rate(system.size()), masses(system.size());
+  const std::vector<double> ones(system.size(), 1.0);
+  system.inertia().multiply(ones, masses);
+  const auto rings = [&](bool right) {
+    if (system.wall(right)) return false;
+    const std::size_t end = system.end(right), next = right ? end - 1 : end + 1;
+    const double impedance = std::sqrt(masses[next] * system.bar().modulus / system.stretch_at(end));
+    const double viscous = system.bar().viscosity / (system.rate_stretch_at(end) * impedance);
+    const bool is_heavy = masses[end] > 2.0 * masses[next];  // its velocity has no jump
+    if (is_heavy || 2.0 * viscous * viscous >= 1.0 || system.inputs()[right].dashpot >= 0.5 * impedance) return false;
+    return std::abs(force[end] - masses[end] / masses[next] * force[next]) > noticed * scale * impedance;
+  };
+  double t = 0.0, until = free.begin_leg(t, run.end);
+  free.force(t, start.u, start.v, force);
+  for (int legs = 0; legs < 1000; ++legs) {
+    for (const bool right : {false, true})
+      if (rings(right))
+        return fmt::format(
+            "jumps: the force on the {} end jumps at t = {:.6g}, which sets going the shortest waves of a mesh of "
+            "unequal elements, a section or a chain: velocities there are off by the order of the jump; what helps: "
+            "equal elements of one bar without section, viscosity, or a smoother rise",
+            right ? "right" : "left", t);
+    if (until >= run.end) break;
+    t = until, until = free.begin_leg(t, run.end);
+    for (std::vector<double>* one : {&force, &rate}) std::ranges::fill(*one, 0.0);
+    free.load_jump(t, run.end, force, rate);
+  }
+  return std::nullopt;
 }
 
 }  // namespace viscobar

@@ -124,4 +124,9 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
 /// scene that names its unit of length: without units a scene may be scaled at will.
 std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& system);
 
+/// Warns of a free end whose force jumps, at the start or where a load breaks, on the mass `fourth_order` of a mesh
+/// that no JumpFilter acts on: the first end row whose force b_0 less the smooth part m_0/m_1 b_1 exceeds 0.05 U c / L
+/// times the impedance, unless viscosity, a dashpot or a mass at that end lets no high mode ring.
+std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& system);
+
 }  // namespace viscobar

@@ -290,8 +290,9 @@ class TraceReader {
     for (const std::string& name : required_)
       if (!table_.column(plain_name(name)))
         report(1, name == "t" && !places_given_.empty() ? places_given_ : name,
-               names ? fmt::format("is missing; the columns are {}", fmt::join(cells, ", "))
-                     : "is missing: a line above the values names the columns");
+               cells.empty() ? "is missing: the file has no values"
+               : names       ? fmt::format("is missing; the columns are {}", fmt::join(cells, ", "))
+                             : "is missing: a line above the values names the columns");
     if (!extra.empty()) left(fmt::format("columns {}", fmt::join(extra, ", ")));
   }
 

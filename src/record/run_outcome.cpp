@@ -140,6 +140,7 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
     if (warning) warn(*warning);
   };
   pass_on(strain_remark(setup, system));
+  pass_on(jump_remark(setup, system));
   pass_on(sensitivity_warning(done));
   pass_on(graze_warning(outcome, done));
   if (!done.energy) return;

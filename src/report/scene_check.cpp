@@ -220,6 +220,7 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
       if (const auto inner = inner_obstacle(run.scene, end, foreseen->impacts)) found.push_back(*inner);
   if (!run.warning.empty()) found.push_back(run.warning);
   if (const auto strains = strain_remark(setup, system)) found.push_back(*strains);
+  if (const auto jumps = jump_remark(setup, system)) found.push_back(*jumps);
   for (const SceneEnd& end : ends_of(run.scene)) {
     if (!is_fixed(end.condition)) continue;
     const auto& motion = end.input.motion;

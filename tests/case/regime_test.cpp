@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
+
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {
@@ -179,6 +182,25 @@ TEST(FirstImpact, TellsItsErrorWhereTheRunWouldTakeLong) {
     EXPECT_GT(impact.time_error, 0.0);
     EXPECT_LE(impact.time_error, 2.0 * h) << gap;
   }
+}
+
+// On 50 elements v of that end runs from 0.20 to 1.81 after a step of its force, where the truth is 1.
+TEST(JumpRemark, TellsForcesThatJumpWhereNoFilterOfHighModesActs) {
+  const auto remark = [](const std::string& bar, const std::string& force) {
+    const auto setup =
+        resolve(parse_scene("[bar]\nlength = 1.0\n" + bar +
+                                "[left]\nkind = \"free\"\nstiffness = 1.0\n[right]\nkind = \"free\"\nforce = " + force +
+                                "\n[mesh]\nelements = 50\nmass = \"fourth_order\"\n[time]\nend = 1.5\n",
+                            "")
+                    .run);
+    return jump_remark(setup, setup.system()).value_or("");
+  };
+  const std::string section = "section = \"1+0*x\"\n", thin = "viscosity = 1e-5\n" + section;
+  EXPECT_NE(remark(thin, "1.0").find("the right end jumps at t = 0,"), std::string::npos);
+  EXPECT_NE(remark(thin, "\"t > 0.5 ? 1 : 0\"").find("at t = 0.5,"), std::string::npos);
+  EXPECT_EQ(remark(thin, "\"sin(3*t)\""), "");
+  EXPECT_EQ(remark("viscosity = 0.1\n" + section, "1.0"), "");
+  EXPECT_EQ(remark("viscosity = 1e-5\n", "1.0"), "");  // JumpFilter acts
 }
 
 }  // namespace

@@ -357,6 +357,8 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   expect("{ file = \"record.csv\", column = \"F\" }", "two values at t = 1: a jump");
   expect("{ file = \"none.csv\", column = \"F\" }", "none.csv");
   expect("{ file = \"record.csv\", column = \"Q\" }", "Q is missing; the columns are t, F");
+  write("empty.csv", "");
+  expect("{ file = \"empty.csv\", column = \"F\" }", "F is missing: the file has no values");
   expect("{ t = [0, 1], values = [0, 1], column = \"F\" }", "column is one of a file");
   expect("{ file = \"record.csv\" }", "a file and a column");
   expect("{ file = \"record.csv\", colum = \"F\" }", "nearest is \"column\"");
