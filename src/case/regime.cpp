@@ -366,7 +366,7 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
     if (is_heavy || 2.0 * viscous * viscous >= 1.0 || system.inputs()[right].dashpot >= 0.5 * impedance) return false;
     return std::abs(force[end] - masses[end] / masses[next] * force[next]) > noticed * scale * impedance;
   };
-  double t = 0.0, until = free.begin_leg(t, run.end);
+  double t = 0.0, until = free.load().begin_leg(t, run.end);
   free.force(t, start.u, start.v, force);
   for (int legs = 0; legs < 1000; ++legs) {
     for (const bool right : {false, true})
@@ -377,9 +377,9 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
             "equal elements of one bar without section, viscosity, or a smoother rise",
             right ? "right" : "left", t);
     if (until >= run.end) break;
-    t = until, until = free.begin_leg(t, run.end);
+    t = until, until = free.load().begin_leg(t, run.end);
     for (std::vector<double>* one : {&force, &rate}) std::ranges::fill(*one, 0.0);
-    free.load_jump(t, run.end, force, rate);
+    free.load().jump(t, run.end, force, rate);
   }
   return std::nullopt;
 }

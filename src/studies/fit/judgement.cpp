@@ -320,9 +320,9 @@ void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, cons
       result.warnings.push_back("starts disagree: other values meet the data as well: " + values);
       break;
     }
+  if (!result.converged) result.warnings.push_back("the search: " + result.reason);
   const bool bound = std::ranges::any_of(result.parameters, &Estimate::at_bound);
   if (result.converged && result.warnings.size() == before && !bound && result.undetermined.empty()) return;
-  if (!result.converged && result.warnings.size() == before) result.warnings.push_back("the search: " + result.reason);
   if (result.converged) result.reason = "it came to a minimum that is not to be relied on: see the warnings";
   result.converged = false;
 }
