@@ -60,7 +60,7 @@ TEST(CharacteristicsCase, GivesContactPeriodsTheirExactImpulses) {
   Case run = example("bouncing.toml", {"time.end=5", "output.every=0.7"});
   const Comparison check = compare(std::vector{run});
   ASSERT_EQ(check.runs[0].contacts.size(), 2u);
-  for (const ContactPeriod& period : check.runs[0].contacts) EXPECT_NEAR(period.impulse, 800.0 / 3.0, 1e-10);
+  for (const ContactPeriod& period : check.runs[0].contacts) EXPECT_NEAR(period.impulse.value(), 800.0 / 3.0, 1e-10);
 }
 
 TEST(CharacteristicsCase, IsTheReferenceOfPrecision) {

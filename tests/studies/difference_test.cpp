@@ -73,6 +73,15 @@ TEST(Compare, MatchesContactPeriodsAsItDoesEvents) {
   for (const auto& [a, b] : found.contacts) EXPECT_EQ(a.begin, b.begin);
 }
 
+// A finished run tells the reaction at its output times, and no account of a contact between two of them.
+TEST(Compare, TheImpulseOfAContactBetweenTwoTimesIsNotKnown) {
+  Recording run = bouncing({1.0}, 0.5);
+  EXPECT_FALSE(contact_periods(run, 0.1).at(0).impulse);
+  run.times = {0.0, 1.0, 1.25, 1.5};
+  run.reaction_left = {0.0, 2.0, 2.0, 2.0};
+  EXPECT_DOUBLE_EQ(contact_periods(run, 0.1).at(0).impulse.value(), 1.0);
+}
+
 TEST(Compare, MatchesClosingsWithClosingsAtTheSamePlaceOnly) {
   Recording left = bouncing({1.0}), right = bouncing({1.0});
   for (Event& event : right.events) event.where = Where::right;

@@ -62,7 +62,7 @@ Accounts told(const std::string& text, const Overrides& overrides) {
   const Comparison comparison = compare(cases, 1);
   double sum = 0.0;
   for (const ContactPeriod& period : comparison.runs.at(0).contacts)
-    if (period.where == Where::left) sum += period.impulse;
+    if (period.where == Where::left) sum += period.impulse.value();
   const Json& left = summary["contact"]["left"];
   return {left["impulse"],
           sum,

@@ -213,7 +213,7 @@ Picture difference_map(const Comparison& check) {
 Json to_json(const ContactPeriod& period) {
   return {{"begin", period.begin},
           {"end", period.end},
-          {"impulse", period.where == Where::span ? Json(nullptr) : Json(period.impulse)},
+          {"impulse", period.impulse ? Json(*period.impulse) : Json(nullptr)},
           {"bounces", period.bounces}};
 }
 

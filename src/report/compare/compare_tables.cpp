@@ -161,7 +161,7 @@ Table contact_table(const Comparison& check, const NumberText& number) {
       if (group == groups.size()) groups.push_back({period, {}});
       if (i == *check.reference) of_reference[key(period)] = group;
       groups[group].rows.push_back({place(period), run.label, number(period.begin, 6), number(period.end, 6),
-                                    period.where == Where::span ? "" : number(period.impulse), count(period.bounces)});
+                                    period.impulse ? number(*period.impulse) : "", count(period.bounces)});
     }
   }
   std::ranges::stable_sort(groups, {}, [](const Group& group) { return group.first.begin; });

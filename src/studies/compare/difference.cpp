@@ -113,7 +113,7 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
       ++periods[found->second].bounces;
     } else {
       latest[place] = periods.size();
-      periods.push_back({event.where, event.node, event.time, event.time, 0.0, 1});
+      periods.push_back({event.where, event.node, event.time, event.time, std::nullopt, 1});
       before.push_back(event.impulse);
     }
   }
@@ -132,7 +132,9 @@ std::vector<ContactPeriod> contact_periods(const Recording& recording, double me
   for (std::size_t k = 0; k < periods.size(); ++k) {
     ContactPeriod& period = periods[k];
     const auto& reaction = period.where == Where::left ? recording.reaction_left : recording.reaction_right;
-    if (!before[k] && (period.where == Where::left || period.where == Where::right) && !reaction.empty())
+    const auto inside = std::ranges::upper_bound(recording.times, period.begin);
+    if (before[k] || inside == recording.times.end() || *inside >= period.end) continue;
+    if ((period.where == Where::left || period.where == Where::right) && !reaction.empty())
       period.impulse = integral(recording.times, reaction, period.begin, period.end);
   }
   return periods;

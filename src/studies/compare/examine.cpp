@@ -35,7 +35,9 @@ void judge(const Bounds& bounds, const Difference& found, const std::string& ref
   hold("velocity, L2", found.velocity_l2, bounds.velocity_l2);
   hold("end trace", found.end_trace, bounds.end_trace);
   for (const auto& [a, b] : found.contacts)
-    if (a.where != Where::span) hold("impulse", std::abs(a.impulse - b.impulse), bounds.impulse);
+    if (a.where != Where::span)
+      hold("impulse", a.impulse && b.impulse ? std::optional(std::abs(*a.impulse - *b.impulse)) : std::nullopt,
+           bounds.impulse);
   if (!bounds.event_shift) return;
   if (found.events_matched != found.events || found.events_matched != found.events_other)
     findings.push_back(

@@ -20,7 +20,9 @@ struct ContactPeriod {
   std::size_t node = 0;       ///< mesh node
   double begin = 0.0;         ///< time of the first closing
   double end = 0.0;           ///< time of the last opening
-  double impulse = 0.0;  ///< integral of the end's reaction: of the run's account, without one by the trapezoidal rule
+  /// Integral of the end's reaction: of the run's account, without one by the trapezoidal rule over the times inside;
+  /// absent where there is none.
+  std::optional<double> impulse = std::nullopt;
   std::size_t bounces = 1;  ///< closings
 };
 
