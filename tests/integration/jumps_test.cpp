@@ -71,7 +71,7 @@ TEST(Jump, OfAForceLeavesTheVelocityOfItsEndRightByEveryMethod) {
         record(scene(fmt::format(fmt::runtime(push), ""), 100, method)), true, 0.2, [](double) { return 1.0; },
         [](double t) { return t; });
     EXPECT_LT(e.v, more * 5.0e-5) << method;
-    EXPECT_LT(e.u, more * 1.7e-7) << method;
+    EXPECT_LT(e.u, more * 2.3e-7) << method;  // by 100 and 200 terms of G, too
   }
   const Errors e = errors(
       record(scene(fmt::format(fmt::runtime(push), ""), 50, "exponential")), true, 0.2, [](double) { return 1.0; },
