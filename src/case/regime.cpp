@@ -346,11 +346,12 @@ std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& sy
 
 std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
-  const auto gives_way = [](const Contact& contact) { return contact.where == Where::span; };
+  const auto spans = [](const Contact& contact) { return contact.where == Where::span; };
   if (system.mass() != Mass::fourth_order || system.rows_alike() || run.method == MethodName::characteristics ||
-      has_stops(run.scene) || system.size() < 4 || std::ranges::any_of(system.contacts(), gives_way))
+      has_stops(run.scene) || system.size() < 4 || std::ranges::any_of(system.contacts(), spans))
     return std::nullopt;
-  constexpr double noticed = 0.05;  // of a velocity
+  // Chosen, not derived: a twentieth of the velocity that the scene has is seen in a picture.
+  constexpr double noticed = 0.05;
   const double scale = natural_scales(system, run.end).velocity();
   PenalisedSystem free(system, Penalty{0.0, 0.0});
   const State start = system.initial_state();
@@ -368,7 +369,7 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
   };
   double t = 0.0, until = free.load().begin_leg(t, run.end);
   free.force(t, start.u, start.v, force);
-  for (int legs = 0; legs < 1000; ++legs) {
+  for (int legs = 0; legs < 1000; ++legs) {  // of a load with more breaks the first ones tell
     for (const bool right : {false, true})
       if (rings(right))
         return fmt::format(
