@@ -2,7 +2,6 @@
 //
 //     cmake --build --preset release --target measure_fits
 //     build/release/tests/measure_fits [FITS [SEED [FIRST [STARTS]]]]
-//     [STARTS]]]]
 #include <fmt/format.h>
 
 #include <algorithm>
