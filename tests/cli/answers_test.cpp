@@ -72,6 +72,42 @@ TEST_F(Answers, AFitPassesTurningPointsThatDoNotReachTheDatum) {
   EXPECT_LT(found["standard_deviation"], 0.1);
 }
 
+// Contacts that are shorter than the interval of the samples: the integrals of what was sampled lead away from the
+// truth, to a valley whose residual is 7e-2 deviations.
+TEST_F(Answers, AFitFromTheTruthStaysThere) {
+  write("scene.toml",
+        "bar.length = 1.0\nbar.viscosity = 0.02\nleft.kind = \"obstacle\"\nleft.gap = 0.1\nright.kind = \"obstacle\"\n"
+        "right.gap = 0.2\nright.side = \"above\"\ninitial.velocity = -1\ntime.end = 3.0\nmesh.elements = 30\n"
+        "mesh.mass = \"lumped\"\ncontact.epsilon = 1e-4\ncontact.restitution = 0.5\nmethod.name = \"odeint\"\n"
+        "output.every = 0.03\n");
+  ASSERT_EQ(viscobar("run scene.toml -q --no-estimate -o made").code, 0);
+  for (const double start : {0.5, 0.501}) {
+    const auto json = fitted(fmt::format(
+        "--data made/ends.csv --parameters contact.restitution,right.gap --set contact.restitution={}", start));
+    EXPECT_NEAR(json["parameters"]["contact.restitution"]["estimate"], 0.5, 1e-6) << start;
+    EXPECT_NEAR(json["parameters"]["right.gap"]["estimate"], 0.2, 1e-6) << start;
+    EXPECT_LT(json["residual"], 1e-6) << start;
+  }
+}
+
+// A mass on a spring has u(2) = cos 2 w, k = w^2, and a datum of -1 +- 0.01 is its turning point: the deviation by the
+// slope there is anything, S rises by one where 2 w = pi +- 0.1415, which is k = pi^2 / 4 +- 0.22. The fit ends within
+// 0.01 of it, for S is flat.
+TEST_F(Answers, AFitAtATurningPointHasTheDeviationOfTheCurve) {
+  write("scene.toml",
+        "bar.length = 1.0\nbar.modulus = 1e-12\nbar.density = 1e-9\nleft.kind = \"free\"\nleft.mass = 1\n"
+        "left.stiffness = 4.0\nright.kind = \"fixed\"\ninitial.displacement = \"1-x\"\ntime.end = 2.0\n"
+        "mesh.elements = 1\nmesh.mass = \"lumped\"\n");
+  write("data.csv", "t,u_left\n2,-1\n");
+  for (const char* start : {"4", "3"}) {
+    const auto found = fitted(std::string("--data data.csv --parameters left.stiffness --set left.stiffness=") +
+                              start)["parameters"]["left.stiffness"];
+    EXPECT_NEAR(found["estimate"], 2.467, 0.01);
+    EXPECT_GT(found["standard_deviation"], 0.15);
+    EXPECT_LT(found["standard_deviation"], 0.3);
+  }
+}
+
 TEST_F(Answers, AStopOfAGivenStiffnessIsNoObstacleThatIsTooSoft) {
   write("scene.toml", falling_bar_with({{"contact.epsilon", "1.0"}}));
   const auto told = [&](const std::string& arguments) {

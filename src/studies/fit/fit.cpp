@@ -202,7 +202,7 @@ FitResult fit(const FitStudy& study) {
     result.sums.push_back(found.back().misfit.sound ? found.back().misfit.sum()
                                                     : std::numeric_limits<double>::quiet_NaN());
     const double gained = found[best].misfit.sum() - found.back().misfit.sum();
-    if (gained > 0.0 || (gained == 0.0 && found.back().converged)) best = found.size() - 1;
+    if (gained > 0.0 || (gained == 0.0 && found.back().converged >= found[best].converged)) best = found.size() - 1;
     return is_explained(study, found[best].misfit) && !runs_away(study, found[best].at, found[best].misfit);
   };
   Eigen::VectorXd given(study.parameters.size());

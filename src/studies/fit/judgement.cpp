@@ -221,7 +221,9 @@ bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {
   const Eigen::Index n = std::ssize(study.parameters);
   const Misfit& misfit = best.misfit;
-  const double variance = misfit.variance(n);
+  // Numbers of 53 digits are rounded by so much of a deviation that is a hundredth of them.
+  constexpr double rounding = 100.0 * 0x1p-53;
+  const double variance = std::max(misfit.variance(n), rounding * rounding);
   result.residual = residual_of(misfit, n);
   result.measured = static_cast<std::size_t>(misfit.residual.size());
   result.freedom = static_cast<std::size_t>(std::max<Eigen::Index>(misfit.residual.size() - n, 0));
@@ -273,7 +275,8 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     const FittedParameter& parameter = study.parameters[free[a]];
     Estimate& one = result.parameters[free[a]];
     if (!known[free[a]]) continue;
-    if (result.residual > small_residual) {  // noise is left, and not what runs are wrong by
+    // Noise is left, and not what runs are wrong by; or nothing tells it, and it is as large as it was said to be.
+    if (result.residual > small_residual || result.freedom == 0) {
       Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
       longer(a) =
@@ -292,7 +295,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
       continue;
     }
     result.model_errors[free[a]] = error;
-    if (deviation > 0.0) one.standard_deviation = deviation;
+    one.standard_deviation = deviation;
   }
   for (Eigen::Index a = 0; a < count; ++a)
     for (Eigen::Index b = 0; b < count; ++b) {

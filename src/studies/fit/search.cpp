@@ -250,9 +250,14 @@ Eigen::MatrixXd Search::axes_of_deviations(const Eigen::VectorXd& values) {
   return size.asDiagonal() * directions * lengths.asDiagonal();
 }
 
-Minimum Search::minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs) {
+Minimum Search::minimum_from(const Eigen::VectorXd& start, Compared first, std::size_t most_runs) {
   if (first == Compared::integrals && jumps())
-    if (const Minimum near = descend(start, Compared::integrals, most_runs); near.misfit.sound) start = near.at;
+    if (const Minimum near = descend(start, Compared::integrals, most_runs); near.misfit.sound) {
+      // Integrals of contacts shorter than a sample's interval tell little, and may lead away from values that are
+      // better.
+      const Minimum there = descend(near.at, Compared::samples, most_runs);
+      if (there.misfit.sum() <= at(start, Compared::samples, false).sum()) return there;
+    }
   return descend(start, first == Compared::exact ? first : Compared::samples, most_runs);
 }
 

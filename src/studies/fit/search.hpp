@@ -88,7 +88,7 @@ class Search {
   /// than the values.
   Eigen::MatrixXd axes_of_deviations(const Eigen::VectorXd& values);
   /// Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum; exact ones alone.
-  Minimum minimum_from(Eigen::VectorXd start, Compared first, std::size_t most_runs);
+  Minimum minimum_from(const Eigen::VectorXd& start, Compared first, std::size_t most_runs);
   /// No step is longer than the parameter is large, three times, or takes more than three quarters of a positive one.
   double limited(Eigen::Index k, double from, double to) const;
 
