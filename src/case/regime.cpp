@@ -165,7 +165,8 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       regimes.push_back(regime);
       continue;
     }
-    if (m > 0.0) {
+    // Nothing brings back a node that is thrown before a wave has crossed its element.
+    if (m > 0.0 && h * std::sqrt(bar.density / bar.modulus) < run.end) {
       regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / bar.modulus;
       if (bar.viscosity > 0.0)

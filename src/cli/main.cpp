@@ -85,8 +85,8 @@ std::string meant(const std::string& word, const std::vector<std::string>& known
 }
 
 /// The key of a scene that an option "--word" was meant to be: of that name, or of a name or table with a word that
-/// begins so, such as --tol.
-const SceneKey* key_meant(std::string_view word, bool whole) {
+/// begins so, such as --tol. Of several the one that has the value among its choices comes first.
+const SceneKey* key_meant(std::string_view word, std::string_view value, bool whole) {
   const auto keys = scene_keys();
   const auto is_meant = [&](const SceneKey& key) {
     if (whole) return key.leaf() == word;
@@ -94,23 +94,28 @@ const SceneKey* key_meant(std::string_view word, bool whole) {
     return word.size() > 2 &&
            (name.find("." + std::string(word)) != name.npos || name.find("_" + std::string(word)) != name.npos);
   };
-  const auto found = std::ranges::find_if(keys, is_meant);
-  if (found != keys.end()) return &*found;
+  const auto has_value = [&](const SceneKey& key) {
+    return is_meant(key) && std::ranges::find(key.choices, value, &Choice::name) != key.choices.end();
+  };
+  for (const auto found : {std::ranges::find_if(keys, has_value), std::ranges::find_if(keys, is_meant)})
+    if (found != keys.end()) return &*found;
   return !whole && is_scene_table(word) ? find_scene_key(word, "name") : nullptr;
 }
 
 /// Suggestion for an unknown option: the option, or the key of the scene, that was probably meant.
-std::string option_meant(const CLI::App& command, const std::string& option) {
+std::string option_meant(const CLI::App& command, const std::string& option, std::string_view value) {
   const std::string word = plain_name(option.substr(option.find_first_not_of('-')));
   const bool takes_keys = command.get_option_no_throw("--set") != nullptr;
   const auto set = [](const SceneKey* key) {
     return fmt::format("; {0} is a key of the scene: --set {0}=VALUE", key->name);
   };
-  if (const SceneKey* key = takes_keys ? key_meant(word, true) : nullptr) return set(key);
+  if (const SceneKey* key = takes_keys ? key_meant(word, value, true) : nullptr) return set(key);
   std::vector<std::string> names = option_names(command);
   for (std::string& name : names) name.erase(0, 2);
   if (const auto nearest = nearest_name(word, names)) return fmt::format("; did you mean --{}?", *nearest);
-  const SceneKey* key = takes_keys ? key_meant(word, false) : nullptr;
+  const auto begun = std::ranges::find_if(names, [&](const std::string& name) { return name.starts_with(word); });
+  if (word.size() > 2 && begun != names.end()) return fmt::format("; did you mean --{}?", *begun);
+  const SceneKey* key = takes_keys ? key_meant(word, value, false) : nullptr;
   return key ? set(key) : "";
 }
 
@@ -119,9 +124,12 @@ std::string explanation(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen.empty() ? app : *chosen.front();
   if (!chosen.empty() && !app.remaining().empty())  // before the command, or behind --
     return fmt::format("unexpected argument {}", fmt::join(app.remaining(), " "));
-  for (const std::string& word : command.remaining()) {
+  const std::vector<std::string> words = command.remaining();
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const std::string& word = words[k];
     const std::string bare = word.substr(0, word.find('='));
-    if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, option_meant(command, bare));
+    const std::string value = bare != word ? word.substr(bare.size() + 1) : k + 1 < words.size() ? words[k + 1] : "";
+    if (bare.starts_with('-')) return fmt::format("unknown option {}{}", bare, option_meant(command, bare, value));
     if (!chosen.empty()) return fmt::format("unexpected argument {}", word);
     std::vector<std::string> names = option_names(app);
     for (const CLI::App* known : app.get_subcommands({})) names.push_back(known->get_name());

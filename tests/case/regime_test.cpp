@@ -99,6 +99,16 @@ TEST(ContactRegime, ADashpotWithoutRestitutionEndsChatter) {
   EXPECT_FALSE(regime(run).chatters);
 }
 
+// What is thrown off its stop for good: no wave comes to it from its neighbour within the run.
+TEST(ContactRegime, AMassThatNoWaveReachesDoesNotChatter) {
+  Case run = falling(0.0, 1e-6, Mass::lumped);
+  run.end = 4.0;
+  ASSERT_TRUE(regime(run).chatters);
+  run.scene.bar.modulus = 1e-12;
+  EXPECT_FALSE(regime(run).damping_ratio.has_value());
+  EXPECT_FALSE(regime(run).chatters);
+}
+
 TEST(ContactRegime, AMasslessNodeHasNoDampingRatioAndNoChatter) {
   const ContactRegime massless = regime(falling(0.01, 1e-6, Mass::redistributed));
   EXPECT_FALSE(massless.damping_ratio.has_value());
