@@ -8,7 +8,9 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -344,6 +346,19 @@ class Fit(Table):
         return bool(self.summary["converged"])
 
 
+@contextmanager
+def _folder_of_arrays() -> Iterator[str]:
+    """A folder for arrays as files, whose name nobody has seen: errors call the files by their own names."""
+    with tempfile.TemporaryDirectory() as directory:
+        try:
+            yield directory
+        except SceneError as error:
+            found = error.findings
+            raise SceneError([replace(one, source=one.source.removeprefix(directory + os.sep)) for one in found]) from None
+        except ValueError as error:
+            raise ValueError(str(error).replace(directory + os.sep, "")) from None
+
+
 def _measured(data: Any, file: str, command: str = "fit") -> str:
     """The path of a table: `data` itself, or that of a file with its columns."""
     if data is None:
@@ -392,7 +407,7 @@ def fit(
     """
     text = Scene.toml(as_scene(scene, None, set))
     parameters = _listed(parameters)
-    with tempfile.TemporaryDirectory() as directory:
+    with _folder_of_arrays() as directory:
         request = (
             _measured(data, os.path.join(directory, "data.csv")),
             _measured(events, os.path.join(directory, "events.csv")),
@@ -409,6 +424,7 @@ def fit(
                 raise
             said = str(error).replace("--deviation", "deviations")
             raise ValueError(re.sub(r"--([a-z])", r"\1", said)) from None
+    printed, page = (text.replace(directory + os.sep, "") for text in (printed, page))
     summary = json.loads(printed)
     return Fit([{"key": key, **told} for key, told in summary["parameters"].items()], summary, page)
 
@@ -471,13 +487,14 @@ def judge(
         raise TypeError("judge: wants t and columns such as u_left, events, or files")
     flat = all(isinstance(file, (str, os.PathLike)) for file in files)
     schemes = [[os.fspath(file) for file in group] for group in ([files] if flat else files)]
-    with tempfile.TemporaryDirectory() as directory:
+    with _folder_of_arrays() as directory:
         own = [
             _measured({"t": t, **data} if data else None, os.path.join(directory, "solution.csv"), "judge"),
             _measured(events, os.path.join(directory, "events.csv"), "judge"),
         ]
         schemes.append([file for file in own if file])
         printed, page = _core.judge(Scene.toml(as_scene(scene, None, set)), schemes)
+    printed, page = (text.replace(directory + os.sep, "") for text in (printed, page))
     summary = json.loads(printed)
     rows = [
         {"label": one["label"], "quantity": quantity, **told}

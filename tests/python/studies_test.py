@@ -189,6 +189,23 @@ class StudiesTest(Test):
         with self.assertRaisesRegex(ValueError, "there are no data"):
             viscobar.fit(thrown(), ["bar.viscosity"])
 
+    def test_arrays_are_told_by_the_names_of_their_tables(self):
+        run = viscobar.run(thrown())
+        t, u = np.array(run.t), np.array(run.ends["u_left"])
+        coded = {"t": t, "u_left": np.where(np.arange(len(t)) == 3, -9999.0, u)}
+        found = viscobar.fit(thrown(), ["left.gap"], data=coded)
+        for told in (found.summary["data"][0], found.summary["warnings"][0]):
+            self.assertTrue(told.startswith("data.csv: "), told)
+        self.assertNotIn(tempfile.gettempdir(), found.page)
+        with self.assertRaisesRegex(ValueError, r"^data\.csv: the last time is"):
+            viscobar.fit(thrown(), ["left.gap"], data={"t": 1e3 * t, "u_left": u})
+        with self.assertRaisesRegex(viscobar.SceneError, r"^data\.csv:1:2: u_lefft: unknown column"):
+            viscobar.fit(thrown(), ["left.gap"], data={"t": t, "u_lefft": u})
+        with self.assertRaisesRegex(viscobar.SceneError, r"^solution\.csv:2:2: u_left: "):
+            viscobar.judge(thrown(), t, u_left=np.where(t == 0, np.inf, u))
+        judged = viscobar.judge(thrown(), **coded)
+        self.assertNotIn(tempfile.gettempdir(), json.dumps(judged.summary))
+
     def test_sweep_says_what_is_wrong(self):
         rows = viscobar.sweep(thrown(), {"left.gap": np.array([0.1, -1.0])})
         self.assertEqual([row["completed"] for row in rows], [True, False])
