@@ -91,7 +91,9 @@ std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
   const bool given = study_.request.given.epsilon;
   // The peak of a stop that gives way is that of its spring.
   if (!penalised_ || (given && study_.request.of == Goal::peak_reaction)) return {};
-  const Setting own = at(given && base_.scene.span ? chosen_.elements : elements);
+  const Setting own = at(!given             ? elements
+                         : base_.scene.span ? chosen_.elements
+                                            : std::max(elements, (chosen_.elements + 1) / 2));
   Setting other = own;
   other.epsilon *= !given ? penalty_ratio : 1.0 / (base_.scene.span ? std::pow(penalty_ratio, 3) : penalty_ratio);
   return {own, other};

@@ -200,6 +200,36 @@ double deviation_of_tried(const Search& search, const Minimum& best, Eigen::Inde
   return deviation;
 }
 
+// How far a parameter that J hardly knows may go, the others held, until S rises: samples of what jumps tell it to
+// their intervals. Nothing where it goes farther than the data may be said to tell, or to a bound.
+std::optional<double> plateau(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, double size,
+                              std::optional<Eigen::VectorXd>& lower) {
+  constexpr double sigmas = 2.0, first = 1e-4, widening = 4.0, farthest = 10.0, sharp = 0.1;
+  // What runs are wrong by is no rise.
+  const double variance = std::max(best.misfit.variance(best.at.size()), small_residual * small_residual);
+  const double most = best.misfit.sum() + sigmas * sigmas * variance;
+  double widest = 0.0;
+  for (const double sign : {-1.0, 1.0}) {
+    const auto at = [&](double way) { return best.at(k) + sign * way; };
+    const auto rises = [&](double way) {
+      Eigen::VectorXd values = best.at;
+      values(k) = at(way);
+      const double sum = search.at(values, best.compared, false).sum();
+      if (sum - best.misfit.sum() < -0.03 * variance && !lower) lower = values;
+      return !(sum <= most);
+    };
+    double flat = 0.0, high = first * size;
+    for (;; flat = high, high *= widening) {
+      if (high > farthest * size || at(high) <= study.parameters[k].low || at(high) >= study.parameters[k].high)
+        return std::nullopt;
+      if (rises(high)) break;
+    }
+    while (high - flat > sharp * high) (rises(0.5 * (flat + high)) ? high : flat) = 0.5 * (flat + high);
+    widest = std::max(widest, high);
+  }
+  return widest;
+}
+
 }  // namespace
 
 double residual_of(const Misfit& misfit, Eigen::Index parameters) {
@@ -255,11 +285,18 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   const double least = std::max(1e-8 * values(0), 1e-6);
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(count, count);
   std::vector<bool> known(size, true);
+  Eigen::VectorXd ways = Eigen::VectorXd::Zero(count);  // over plateaus
   for (Eigen::Index j = 0; j < count; ++j) {
     result.singular_values.push_back(values(j));
     const Eigen::VectorXd direction = directions.col(j);
     if (values(j) > least) {
       inverse += direction * direction.transpose() / (values(j) * values(j));
+      continue;
+    }
+    Eigen::Index own = 0;
+    const bool alone = direction.cwiseAbs().maxCoeff(&own) > 1.0 - 1e-6;
+    if (const auto way = alone ? plateau(search, study, best, free[own], scale(free[own]), lower) : std::nullopt) {
+      ways(own) = *way;
       continue;
     }
     Undetermined lack{values(0) > 0.0 ? values(j) / values(0) : 0.0, std::vector<double>(size, 0.0)};
@@ -276,23 +313,32 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     Estimate& one = result.parameters[free[a]];
     if (!known[free[a]]) continue;
     // Noise is left, and not what runs are wrong by; or nothing tells it, and it is as large as it was said to be.
-    if (result.residual > small_residual || result.freedom == 0) {
+    if (ways(a) == 0.0 && (result.residual > small_residual || result.freedom == 0)) {
       Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
       longer(a) =
           std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
                     deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
     }
-    const double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
-    const double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
+    double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
+    double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
     // A step of one deviation leaves the bounds, or what the parameter is large by.
-    if (deviation > std::min(0.5 * (parameter.high - parameter.low),
-                             10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)))) {
+    const bool far = deviation > std::min(0.5 * (parameter.high - parameter.low),
+                                          10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)));
+    // Nor do others make up for it.
+    if (far && scaled.col(a).squaredNorm() * inverse(a, a) < 2.0)
+      ways(a) = plateau(search, study, best, free[a], scale(free[a]), lower).value_or(0.0);
+    if (far && ways(a) == 0.0) {
       known[free[a]] = false;
       result.undetermined.push_back(
           {inverse(a, a) > 0.0 ? 1.0 / std::sqrt(inverse(a, a)) / values(0) : 0.0, std::vector<double>(size, 0.0)});
       result.undetermined.back().shares[free[a]] = 1.0;
       continue;
+    }
+    if (ways(a) > 0.0) {
+      deviation = ways(a), error = 0.0, longer(a) = 1.0;
+      inverse.row(a).setZero(), inverse.col(a).setZero();
+      inverse(a, a) = std::pow(deviation / scale(free[a]), 2) / variance;
     }
     result.model_errors[free[a]] = error;
     one.standard_deviation = deviation;
