@@ -91,9 +91,7 @@ std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
   const bool given = study_.request.given.epsilon;
   // The peak of a stop that gives way is that of its spring.
   if (!penalised_ || (given && study_.request.of == Goal::peak_reaction)) return {};
-  const Setting own = at(!given             ? elements
-                         : base_.scene.span ? chosen_.elements
-                                            : std::max(elements, (chosen_.elements + 1) / 2));
+  const Setting own = at(given && base_.scene.span ? chosen_.elements : elements);
   Setting other = own;
   other.epsilon *= !given ? penalty_ratio : 1.0 / (base_.scene.span ? std::pow(penalty_ratio, 3) : penalty_ratio);
   return {own, other};
