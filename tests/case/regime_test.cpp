@@ -99,7 +99,7 @@ TEST(ContactRegime, ADashpotWithoutRestitutionEndsChatter) {
   EXPECT_FALSE(regime(run).chatters);
 }
 
-// What is thrown off its stop for good: no wave comes to it from its neighbour within the run.
+// A mass that its stop throws off for good: no wave comes to it from its neighbour within the run.
 TEST(ContactRegime, AMassThatNoWaveReachesDoesNotChatter) {
   Case run = falling(0.0, 1e-6, Mass::lumped);
   run.end = 4.0;
