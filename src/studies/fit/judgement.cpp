@@ -205,7 +205,7 @@ double deviation_of_tried(const Search& search, const Minimum& best, Eigen::Inde
 std::optional<double> plateau(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, double size,
                               std::optional<Eigen::VectorXd>& lower) {
   constexpr double sigmas = 2.0, first = 1e-4, widening = 4.0, farthest = 10.0, sharp = 0.1;
-  // What runs are wrong by is no rise.
+  // A rise by errors of the runs is none.
   const double variance = std::max(best.misfit.variance(best.at.size()), small_residual * small_residual);
   const double most = best.misfit.sum() + sigmas * sigmas * variance;
   double widest = 0.0;
