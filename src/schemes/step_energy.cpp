@@ -5,6 +5,13 @@
 
 namespace viscobar {
 
+// v^n of a node that is stored at i.
+auto StepEnergy::velocity() const {
+  return [p = step_.p().data(), a = step_.acceleration().data(), half = dt_ / 2](std::size_t i) {
+    return p[i] - half * a[i];
+  };
+}
+
 // v^n at all nodes; as all that follows of a side that resists, or of a frame, where nodes are stored in their order.
 auto StepEnergy::velocity_at_nodes() const {
   return [p = step_.p(), a = step_.acceleration(), dt = dt_, first = system_.first_node()](std::size_t j) {
@@ -30,8 +37,7 @@ auto StepEnergy::acceleration_at_nodes() const {
 }
 
 double StepEnergy::end_power() const {
-  return system_.inertia().unsymmetric_product([this](std::size_t i) { return mean_velocity(i); },
-                                               RowValues{step_.acceleration()});
+  return system_.inertia().unsymmetric_product(velocity(), RowValues{step_.acceleration()});
 }
 
 namespace {
@@ -68,11 +74,12 @@ double StepEnergy::energy() const {
 
 void StepEnergy::account(std::size_t n, EnergyAccount& energy) {
   const auto p = step_.p(), a = step_.acceleration();
+  const auto v = velocity();
   if (system_.damped()) energy.dissipated += dt_ * system_.bar().viscosity * bar_.squared_strain_rate(p, -dt_ / 2, a);
   if (system_.has_dashpots()) {
     double power = 0.0;
     for (const Support& support : system_.supports())
-      power += support.dashpot * mean_velocity(support.unknown) * mean_velocity(support.unknown);
+      power += support.dashpot * v(support.unknown) * v(support.unknown);
     energy.dissipated += dt_ * power;
   }
   if (system_.moving()) account_frame(n, energy);
@@ -117,12 +124,13 @@ void StepEnergy::account_side(std::size_t n, const SideRows& side, EnergyAccount
 // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.
 double StepEnergy::taken_by_contacts(std::size_t n, EnergyAccount& energy) const {
   const auto& contacts = step_.contacts();
+  const auto v = velocity();
   double taken = 0.0, given = 0.0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double impulse = dt_ * step_.reaction()[k];
     const std::size_t i = contacts[k].unknown;
-    const double against = contacts[k].joint > 0 ? mean_velocity(i - 1) : 0.0;
-    taken -= impulse * (contacts[k].sign * (mean_velocity(i) - against));
+    const double against = contacts[k].joint > 0 ? v(i - 1) : 0.0;
+    taken -= impulse * (contacts[k].sign * (v(i) - against));
     if (impulse != 0.0 && system_.moves(contacts[k]))
       given -= impulse * (system_.gap(contacts[k], time(n + 1)) - system_.gap(contacts[k], time(n - 1))) / (2.0 * dt_);
   }
@@ -138,7 +146,7 @@ void StepEnergy::watch_growth(double t, double taken, EnergyAccount& energy) {
     energy.growth = taken_at_rest_ - taken_;
     energy.growth_time = std::min(t, end_);
   }
-  const bool touching = std::ranges::find(step_.active(), 1) != step_.active().end();
+  const bool touching = std::ranges::find(active_, 1) != active_.end();
   if (!touching && !touching_) taken_at_rest_ = std::max(taken_at_rest_, taken_);
   touching_ = touching;
 }

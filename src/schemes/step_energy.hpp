@@ -18,7 +18,13 @@ class StepEnergy {
  public:
   /// Steps are dt from times.front() on. All but dt outlive it.
   StepEnergy(const BarSystem& system, TimeStep& step, std::span<const double> times, double dt)
-      : system_(system), step_(step), bar_(system, step.order()), begin_(times.front()), end_(times.back()), dt_(dt) {}
+      : system_(system),
+        step_(step),
+        bar_(system, step.order()),
+        active_(step.active()),
+        begin_(times.front()),
+        end_(times.back()),
+        dt_(dt) {}
 
   /// All that account() depends on, for a checkpoint.
   static void members(auto& energy, auto&& each) { each(energy.taken_, energy.taken_at_rest_, energy.touching_); }
@@ -38,7 +44,7 @@ class StepEnergy {
 
  private:
   double time(std::size_t n) const { return begin_ + static_cast<double>(n) * dt_; }
-  double mean_velocity(std::size_t i) const { return step_.p()[i] - dt_ / 2 * step_.acceleration()[i]; }
+  auto velocity() const;
   auto velocity_at_nodes() const;
   auto displacement_at_nodes() const;
   auto acceleration_at_nodes() const;
@@ -50,6 +56,7 @@ class StepEnergy {
   const BarSystem& system_;
   TimeStep& step_;
   LaneBar bar_;
+  std::span<const unsigned char> active_;  // of the step
   double begin_, end_, dt_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
   bool touching_ = false;

@@ -301,9 +301,8 @@ void TimeStep::substitute(Use&& use) {
   for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
 }
 
-std::span<const double> TimeStep::acceleration() {
-  if (eliminated_) substitute([](std::size_t, const auto&) {});
-  return a_;
+void TimeStep::complete() {
+  substitute([](std::size_t, const auto&) {});
 }
 
 namespace {

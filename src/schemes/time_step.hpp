@@ -55,9 +55,13 @@ class TimeStep {
   }
 
   const LaneOrder& order() const { return order_; }
-  std::span<const double> u() const { return u_; }                         ///< u^n
-  std::span<const double> p() const { return p_; }                         ///< p^{n-1/2}
-  std::span<const double> acceleration();                                  ///< a^n
+  std::span<const double> u() const { return u_; }  ///< u^n
+  std::span<const double> p() const { return p_; }  ///< p^{n-1/2}
+  /// a^n
+  std::span<const double> acceleration() {
+    if (eliminated_) complete();
+    return a_;
+  }
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
@@ -94,6 +98,7 @@ class TimeStep {
   void solve(double lever);
   template <class Use>
   void substitute(Use&& use);
+  void complete();
   void advance_in_order();
   void start_from(const State& start, double begin, Start order);
   void project_start();
