@@ -187,7 +187,7 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
       case_.scene = with_settings(asked, chosen);
       setup_ = resolve(chosen);
       system_ = setup_.system();
-    } catch (const accuracy::Stopped&) {
+    } catch (const StudyStopped&) {
       return fail(outcome_, Ending::interrupted, "interrupted");
     } catch (const IntegrationError& error) {
       return fail_with(error.what());
@@ -201,7 +201,7 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
     try {
       const py::gil_scoped_release released;
       outcome_.error_estimate = plan->judge();
-    } catch (const accuracy::Stopped&) {
+    } catch (const StudyStopped&) {
       return fail(outcome_, Ending::interrupted, "interrupted");
     } catch (const IntegrationError& error) {
       return warn(fmt::format("error: there is no estimate: {}", error.what()));

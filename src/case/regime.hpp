@@ -18,9 +18,7 @@ inline bool is_no_obstacle(double penetration, double displacement) {
 }
 
 /// natural_epsilon() in letters.
-inline const char* natural_epsilon_words(const Scene& scene) {
-  return scene.span && !has_end_penalty(scene) ? "L^2/E" : "L/E";
-}
+inline const char* natural_epsilon_words(const Scene& scene) { return is_penalty_of_span(scene) ? "L^2/E" : "L/E"; }
 
 /// Remedies for an epsilon at which the bar goes through the obstacle, in keys of the scene.
 std::string stiffer_advice(const Setup& setup);

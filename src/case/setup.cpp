@@ -136,7 +136,7 @@ Mass common_mass(const Case& run) {
 
 double natural_epsilon(const Scene& scene) {
   const double unit = scene.bar.length / scene.bar.modulus;
-  return scene.span && !has_end_penalty(scene) ? unit * scene.bar.length : unit;
+  return is_penalty_of_span(scene) ? unit * scene.bar.length : unit;
 }
 
 AutomaticMethod automatic_method(const Case& run) {

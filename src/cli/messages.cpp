@@ -26,13 +26,11 @@ namespace viscobar::cli {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// The log beside standard error: as that, one for the process.
 struct Log {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{nullptr, &std::fclose};
   bool verbose = false, lost = false;  // `lost`: a line could not be written
-  Clock::time_point started = Clock::now();
+  WallClock clock;
 } the_log;
 
 // Each line at once, so that it is there when the program is killed. A message that cannot be written is lost, and the
@@ -120,14 +118,14 @@ void StatusLine::clear() {
 }
 
 bool Progress::due() {
-  const auto now = Clock::now();
+  const double now = clock_.seconds();
   if (now < next_) return false;
-  next_ = now + std::chrono::milliseconds(200);
+  next_ = now + 0.2;
   return true;
 }
 
 void Progress::show(const std::string& what, double share) {
-  const double elapsed = std::chrono::duration<double>(Clock::now() - started_).count();
+  const double elapsed = clock_.seconds();
   line_.show(share > 0.0 ? fmt::format("{}  {} left", what, duration(elapsed * (1.0 - share) / share)) : what);
 }
 
@@ -163,8 +161,7 @@ void detail(std::string_view what) {
 }
 
 int end_messages(int code) {
-  write_log(fmt::format("exit code {} after {:.3f} s", code,
-                        std::chrono::duration<double>(Clock::now() - the_log.started).count()));
+  write_log(fmt::format("exit code {} after {:.3f} s", code, the_log.clock.seconds()));
   if (the_log.file && std::fclose(the_log.file.release()) != 0) the_log.lost = true;
   if (the_log.lost) complain("--log: lines of the log could not be written; it is not complete");
   return code;

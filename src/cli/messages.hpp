@@ -1,9 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <string>
 #include <string_view>
+
+#include "run/stopwatch.hpp"
 
 namespace viscobar::cli {
 
@@ -53,8 +54,8 @@ class Progress {
   void show(const std::string& what, double share);
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point started_ = Clock::now(), next_ = started_ + std::chrono::seconds(1);
+  WallClock clock_;
+  double next_ = 1.0;  // on it
   StatusLine line_;
 };
 

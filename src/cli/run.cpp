@@ -18,6 +18,7 @@
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/result_directory.hpp"
+#include "run/stopwatch.hpp"
 #include "text/number.hpp"
 #include "viscobar/record/record_run.hpp"
 
@@ -163,9 +164,7 @@ int shown(const SceneFile& scene, const fs::path& directory, bool json, bool qui
   };
   std::atomic<bool> out_of_time = false;  // asked by runs side by side
   options.stop = [&] {
-    if (wall_time &&
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - options.started).count() >= *wall_time)
-      out_of_time = true;
+    if (wall_time && WallClock(options.started).seconds() >= *wall_time) out_of_time = true;
     return out_of_time || interrupt_asked();
   };
   std::vector<Event> events;

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "cli/commands.hpp"
 #include "results/file_set.hpp"
 #include "results/result_directory.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/parallel.hpp"
 #include "sweep/sweep_page.hpp"
 #include "sweep/sweep_part.hpp"
@@ -17,9 +17,6 @@ namespace viscobar::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// How far the sweep is, on the terminal, by the costs that were estimated.
 class SweepProgress {
@@ -108,7 +105,7 @@ std::string table(const SweepFile& sweep, const SweepJob& job, const SweepResult
 }
 
 int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& job) {
-  const auto started = Clock::now();
+  const WallClock clock;
   const fs::path directory = job.directory();
   const bool one_of_many = job.by_launcher && job.part.of > 1, silent = asked.output.quiet || one_of_many;
   const std::size_t threads = asked.threads > 0 ? asked.threads : one_of_many ? 1 : cores();
@@ -154,13 +151,13 @@ int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& j
   FileChecksums checksums = results.checksums();
   checksums["sweep.html"] = Checksum::of(page);
   const std::string json =
-      sealed_summary(description(sweep, job, results, kept, threads, integration, seconds_since(started)), checksums);
+      sealed_summary(description(sweep, job, results, kept, threads, integration, clock.seconds()), checksums);
   files.write("sweep.json", json);
   files.take_places();
   if (!silent && asked.json)
     print(json);
   else if (!silent)
-    print(table(sweep, job, results, kept, seconds_since(started)));
+    print(table(sweep, job, results, kept, clock.seconds()));
   for (const SweepRow* row : results.rows())
     if (!row->completed && !one_of_many) complain(fmt::format("case {}: {}", row->index, row->error));
   if (!finished) {

@@ -52,7 +52,7 @@ template <class Judge>
 void estimate_into(Outcome& outcome, const AccuracyRequest& request, Judge&& judge) {
   try {
     outcome.error_estimate = judge();
-  } catch (const accuracy::Stopped&) {
+  } catch (const StudyStopped&) {
     outcome.error_estimate = no_estimate(request, "it was interrupted");
   } catch (const std::exception& error) {
     outcome.error_estimate = no_estimate(request, error.what());
@@ -96,7 +96,7 @@ RunRecord record_to_accuracy(const SceneFile& scene, const std::filesystem::path
     std::string failure;
     try {
       run = plan.next();
-    } catch (const accuracy::Stopped&) {
+    } catch (const StudyStopped&) {
       return not_begun(directory);
     } catch (const IntegrationError& error) {
       failure = error.what();

@@ -14,6 +14,7 @@
 #include "results/result_directory.hpp"
 #include "results/summary.hpp"
 #include "run/archive.hpp"
+#include "run/stopwatch.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -31,29 +32,25 @@ void attempt(Outcome& outcome, Action&& action) {
   }
 }
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 /// When checkpoints are due on the clock: so many seconds after the last one was made, or as many as it took where that
 /// is longer, so that the run keeps half of the time at least.
 class CheckpointClock {
  public:
   explicit CheckpointClock(double interval) : interval_(interval) {}
 
-  bool due() const { return seconds_since(last_) >= std::max(interval_, cost_); }
+  bool due() const { return last_.seconds() >= std::max(interval_, cost_); }
 
   template <class Make>
   void make(Make&& make) {
-    const auto begin = Clock::now();
+    const WallClock making;
     make();
-    cost_ = seconds_since(begin);
-    last_ = Clock::now();
+    cost_ = making.seconds();
+    last_ = WallClock();
   }
 
  private:
   double interval_, cost_ = 0.0;
-  Clock::time_point last_ = Clock::now();
+  WallClock last_;
 };
 
 /// A run and its files, from the beginning or from a checkpoint.
@@ -96,7 +93,7 @@ class RecordedRun {
  private:
   Outcome& outcome() { return record_.outcome; }
   bool simulated() const { return last_.schedule && last_.schedule->clock == CheckpointEvery::Clock::simulated; }
-  double wall_seconds() const { return last_.wall_seconds + seconds_since(options_.started); }
+  double wall_seconds() const { return last_.wall_seconds + WallClock(options_.started).seconds(); }
 
   template <class File>
   void close(const char* name, std::optional<File>& file) {

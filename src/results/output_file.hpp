@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <iterator>
 #include <optional>
 #include <string>
 
+#include "run/stopwatch.hpp"
 #include "text/checksum.hpp"
 
 namespace viscobar {
@@ -17,14 +17,13 @@ namespace viscobar {
 class FlushClock {
  public:
   bool due() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::seconds(1)) return false;
-    last_ = now;
+    if (last_.seconds() < 1.0) return false;
+    last_ = WallClock();
     return true;
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  WallClock last_;
 };
 
 /// The name of a new file until it is fit to be seen: the one it will have, with ".part". What has that one so far is

@@ -1,34 +1,10 @@
 #pragma once
 
-#include <ctime>
-
 #include "run/parts.hpp"
+#include "run/stopwatch.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
-
-/// Processor time of this thread since construction, without what ran outside(): other work on the machine does not
-/// count.
-class Stopwatch {
- public:
-  double seconds() const { return now() - start_; }
-
-  /// Calls `call` off the clock.
-  void outside(auto&& call) {
-    const double paused = now();
-    call();
-    start_ += now() - paused;
-  }
-
- private:
-  static double now() {
-    timespec used{};
-    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
-    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
-  }
-
-  double start_ = now();
-};
 
 /// Tells the observers of a part of a run, its clock stopped meanwhile if they ask for it, and counts on the way.
 class Notifier {

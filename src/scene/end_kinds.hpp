@@ -109,4 +109,7 @@ inline bool has_end_penalty(const Scene& scene) {
   return (is_obstacle(scene.left) && !scene.left_input.stop) || (is_obstacle(scene.right) && !scene.right_input.stop);
 }
 
+/// True if epsilon is a penetration per force on a volume, and not one per stress.
+inline bool is_penalty_of_span(const Scene& scene) { return scene.span && !has_end_penalty(scene); }
+
 }  // namespace viscobar

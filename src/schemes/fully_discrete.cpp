@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -15,6 +14,8 @@
 #include "run/parts.hpp"
 #include "scene/times.hpp"
 #include "schemes/settled_start.hpp"
+#include "schemes/step_energy.hpp"
+#include "schemes/step_reactions.hpp"
 #include "schemes/time_step.hpp"
 
 namespace viscobar {
@@ -49,7 +50,6 @@ class Run {
     // An end that misses a step by rounding only is on it.
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
     statistics_.unknowns = system.size();
-    spanned_ = std::ranges::any_of(system.contacts(), [](const Contact& one) { return one.where == Where::span; });
     statistics_.reached_time = begin_of(start, times);
     if (!observers_.snapshot) return;
     u_nodal_.resize(system.mesh().nodes()), v_nodal_ = u_nodal_;
@@ -63,16 +63,16 @@ class Run {
       State start = checkpoint ? system_.initial_state() : std::get<State>(start_);
       const JumpFilter::Taken taken = checkpoint ? JumpFilter::Taken{} : settle_start(start);
       step_.emplace(system_, start, times_.front(), scheme_, times_.back() + scheme_.step);
+      energy_.emplace(system_, *step_, times_, scheme_.step);
       was_active_.assign(step_->contacts().size(), 0);
       active_ = step_->active();
-      find_contacts_at_ends();
+      reactions_.emplace(system_, *step_, times_, scheme_.step, steps_);
       if (checkpoint) {
         go_on(*checkpoint);
       } else {
         begin_accounts(std::get<State>(start_), taken);
         close_at_start(std::get<State>(start_));
       }
-      if (statistics_.account) watch_ends();
       statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
       fail(Failure::load, error.time, error.what());
@@ -86,7 +86,7 @@ class Run {
 
   /// Content of a checkpoint, u^{n+1} being known and the outputs told up to t_n.
   static void members(auto& run, auto&& each) {
-    each(run.n_, *run.step_, std::span(run.was_active_), run.largest_, run.taken_, run.taken_at_rest_, run.touching_);
+    each(run.n_, *run.step_, std::span(run.was_active_), run.largest_, *run.energy_);
   }
 
  private:
@@ -151,7 +151,7 @@ class Run {
     step_->order().to_nodes([&](std::size_t i) { return step_->u()[i]; }, u);
     step_->order().to_nodes([&](std::size_t i) { return step_->p()[i]; }, p);
     const std::vector<double> u_before = u, p_before = p;
-    const double before = statistics_.energy ? step_->energy() : 0.0;
+    const double before = statistics_.energy ? energy_->energy() : 0.0;
     const JumpFilter::Taken taken = filter_.pass_break(*settled_, t, times_.back(), u, p);
     for (std::size_t i = 0; i < u.size(); ++i) {
       u[i] = u_before[i] + share * (u[i] - u_before[i]);
@@ -161,7 +161,7 @@ class Run {
     if (!statistics_.energy) return;
     const double work = share * taken.work;
     statistics_.energy->work += work;
-    statistics_.energy->take_by_rows(before + work - step_->energy());
+    statistics_.energy->take_by_rows(before + work - energy_->energy());
   }
 
   // True if it comes there.
@@ -174,7 +174,7 @@ class Run {
       const double reached = n < steps_ ? time(n) : times_.back();
       statistics_.steps = statistics_.rhs_evaluations = n;
       statistics_.reached_time = reached;
-      if (statistics_.account) account_reactions(n);
+      if (statistics_.account) reactions_->pass(n, *statistics_.account);
       if (observers_.snapshot && written_ < times_.size() && (times_[written_] <= reached || n == steps_))
         write_until(n);
       if (!notifier_.progress(reached)) return false;
@@ -182,7 +182,7 @@ class Run {
       const bool due = schedule.due(reached);
       if (!was_active_.empty()) find_events(n);
       step.advance();
-      if (observers_.energy) account();
+      if (observers_.energy) energy_->account(n, *statistics_.energy);
       measure_penetration();
       if (due) {
         if (!take_checkpoint(reached)) return false;
@@ -196,41 +196,20 @@ class Run {
 
   void begin_accounts(const State& start, const JumpFilter::Taken& taken) {
     if (observers_.energy) {
-      const double of_frame = step_->frame_energy(time(1));
+      const double of_frame = energy_->of_frame(time(1));
       // E^{1/2} is of the motion after what the start takes at once.
       const bool struck =
           !system_.moving() && std::ranges::any_of(step_->start_impulse(), [](double of) { return of > 0.0; });
-      const double at_start = struck ? std::max(system_.energy(start.u, start.v), step_->energy()) : step_->energy();
-      const double dissipated = taken.energy + at_start - step_->energy();
+      const double at_start =
+          struck ? std::max(system_.energy(start.u, start.v), energy_->energy()) : energy_->energy();
+      const double dissipated = taken.energy + at_start - energy_->energy();
       statistics_.energy = EnergyAccount{.initial = at_start + of_frame + taken.energy - taken.work,
                                          .dissipated = dissipated,
                                          .work = taken.work - of_frame,
                                          .end_inertia = taken.energy};
     }
     if (!observers_.account) return;
-    RunAccount& account = statistics_.account.emplace();
-    for (const bool right : {false, true}) {
-      EndAccount& end = account_of(right);
-      const std::size_t i = system_.end(right);
-      end.displacement = system_.wall(right) ? *system_.wall(right) : system_.massless(i) ? u_before(i) : start.u[i];
-      end.lowest = end.highest = end.displacement;
-      each_contact_at(right, [&](std::size_t k) {
-        end.impulse += sign(k) * step_->start_impulse()[k];
-        end.peak_reaction =
-            std::max(end.peak_reaction, end.latest.raise(sign(k) * step_->reaction_before()[k], times_.front()));
-      });
-      if (end.peak_reaction > 0.0) end.contact.close(times_.front());
-    }
-    for (std::size_t k = 0; k < step_->contacts().size(); ++k) {
-      const std::size_t number = step_->contacts()[k].joint;
-      if (number == 0) continue;
-      account.joints.resize(std::max(account.joints.size(), number));
-      JointAccount& joint = account.joints[number - 1];
-      joint.impulse = step_->start_impulse()[k];
-      joint.peak_reaction = joint.latest.raise(step_->reaction_before()[k], times_.front());
-    }
-    account.span.impulse = of_span(step_->start_impulse());
-    account.span.peak_reaction = account.span.latest.raise(of_span(step_->reaction_before()), times_.front());
+    reactions_->begin(start, statistics_.account.emplace());
   }
 
   // A node that moves in closes its contact where the data touch, at t_0, or else where u^1 does.
@@ -246,10 +225,8 @@ class Run {
       }
   }
 
-  EndAccount& account_of(bool right) { return right ? statistics_.account->right : statistics_.account->left; }
   double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
 
-  double sign(std::size_t k) const { return step_->contacts()[k].sign; }
   double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
 
   // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
@@ -266,78 +243,6 @@ class Run {
           throw LoadError(*at, into_the_bar(contact, *at));
       }
     }
-  }
-
-  // The sum over the span obstacle's contacts, in the direction of u.
-  double of_span(std::span<const double> values) const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < values.size(); ++k)
-      if (step_->contacts()[k].where == Where::span) sum += sign(k) * values[k];
-    return sum;
-  }
-
-  // Contacts of an end that is not fixed, one from either side.
-  template <class Use>
-  void each_contact_at(bool right, Use&& use) const {
-    const auto [first, last] = at_end_[right];
-    for (std::size_t k = first; k < last; ++k) use(k);
-  }
-
-  void find_contacts_at_ends() {
-    const auto& contacts = step_->contacts();
-    for (const bool right : {false, true}) {
-      if (system_.wall(right)) continue;
-      const auto found = std::ranges::equal_range(contacts, system_.end(right), {}, &Contact::unknown);
-      // A rigid body there may be the right side of a joint as well.
-      const auto of_joint = [](const Contact& contact) { return contact.joint > 0; };
-      const auto first = std::find_if_not(found.begin(), found.end(), of_joint);
-      at_end_[right] = {first - contacts.begin(), std::find_if(first, found.end(), of_joint) - contacts.begin()};
-    }
-  }
-
-  // Those that move.
-  void watch_ends() {
-    for (const bool right : {false, true}) {
-      const std::optional<double>& wall = system_.wall(right);
-      if (wall && !system_.moving()) continue;
-      const std::size_t i = system_.end(right);
-      watched_.push_back({&account_of(right), wall ? &*wall : &step_->u()[i], wall ? nullptr : &step_->p()[i], right});
-    }
-  }
-
-  // Over (t_{n-1}, t_n], where u and lambda are linear; before t_1 lambda^0 has its part in what the start took.
-  void account_reactions(std::size_t n) {
-    const double dt = scheme_.step, theta = n < steps_ ? 1.0 : std::min((times_.back() - time(n - 1)) / dt, 1.0);
-    const double until = std::min(time(n), times_.back());
-    const double *now = step_->reaction().data(), *then = step_->reaction_before().data();
-    for (const WatchedEnd& watched : watched_) {
-      EndAccount& end = *watched.account;
-      double displacement = *watched.u;
-      if (theta < 1.0 && watched.p) displacement -= (1.0 - theta) * dt * *watched.p;
-      if (system_.moving()) displacement += system_.lift(until, 0).of(watched.right);
-      end.displacement = displacement;
-      if (displacement < end.lowest) end.lowest = displacement;
-      if (displacement > end.highest) end.highest = displacement;
-      const auto [first, last] = at_end_[watched.right];
-      for (std::size_t k = first; k < last; ++k) {
-        if (now[k] == 0.0 && then[k] == 0.0) continue;
-        const double before = n > 1 ? (1.0 - theta / 2) * then[k] : 0.0;
-        end.impulse += sign(k) * (dt * theta * (before + theta / 2 * now[k]));
-        end.peak_reaction = std::max(end.peak_reaction, end.latest.raise(sign(k) * reaction(k, theta), until));
-      }
-    }
-    for (std::size_t k = 0; k < step_->contacts().size(); ++k) {
-      const std::size_t number = step_->contacts()[k].joint;
-      if (number == 0 || (now[k] == 0.0 && then[k] == 0.0)) continue;
-      JointAccount& joint = statistics_.account->joints[number - 1];
-      joint.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * then[k] : 0.0) + theta / 2 * now[k]);
-      joint.peak_reaction = std::max(joint.peak_reaction, joint.latest.raise(reaction(k, theta), until));
-    }
-    if (!spanned_) return;
-    const double before = of_span(step_->reaction_before()), after = of_span(step_->reaction());
-    SpanAccount& span = statistics_.account->span;
-    span.impulse += dt * theta * ((n > 1 ? (1.0 - theta / 2) * before : 0.0) + theta / 2 * after);
-    span.peak_reaction = std::max(span.peak_reaction, span.latest.raise((1.0 - theta) * before + theta * after, until));
   }
 
   // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
@@ -380,22 +285,21 @@ class Run {
       if (!a_nodal_.empty()) system_.add_lift(system_.lift(t, 2), a_nodal_);
     }
     Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
-    if (spanned_)
-      snapshot.reaction_span = (1.0 - theta) * of_span(step_->reaction_before()) + theta * of_span(step_->reaction());
+    snapshot.reaction_span = reactions_->of_span(theta);
     joint_forces_.clear();
     for (const JointNodes& joint : system_.joints()) {
       double force = joint.stiffness * (u_nodal_[joint.node - 1] - u_nodal_[joint.node]) +
                      joint.damping * (v_nodal_[joint.node - 1] - v_nodal_[joint.node]);
       for (std::size_t k = 0; k < step_->contacts().size(); ++k)
-        if (step_->contacts()[k].joint == joint.number) force += reaction(k, theta);
+        if (step_->contacts()[k].joint == joint.number) force += reactions_->of_contact(k, theta);
       joint_forces_.push_back(force);
     }
     snapshot.joint_forces = joint_forces_;
     if (observers_.energy) {
       const double now = time(n_);
-      snapshot.energy = step_->energies(now);
+      snapshot.energy = energy_->parts(now);
       snapshot.energy->dissipated = statistics_.energy->dissipated;
-      snapshot.energy->work = statistics_.energy->work + step_->frame_energy(now);
+      snapshot.energy->work = statistics_.energy->work + energy_->of_frame(now);
       snapshot.energy->end_inertia = statistics_.energy->end_inertia;
     }
     notifier_.snapshot(snapshot);
@@ -405,13 +309,7 @@ class Run {
   double reaction_at(bool right, double theta) const {
     if (system_.wall(right))
       return system_.holding_force(right, u_nodal_, v_nodal_, a_nodal_, step_->load_held(times_[written_ - 1], right));
-    double sum = 0.0;
-    each_contact_at(right, [&](std::size_t k) { sum += sign(k) * reaction(k, theta); });
-    return sum;
-  }
-
-  double reaction(std::size_t k, double theta) const {
-    return (1.0 - theta) * step_->reaction_before()[k] + theta * step_->reaction()[k];
+    return reactions_->of_end(right, theta);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at
@@ -453,96 +351,8 @@ class Run {
     const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system_.first_node();
     Event event{t, contact.where, node, change, velocity};
     count_change(statistics_, event);
-    // lambda^n, which leads to the contact at t_{n+1}, is of it, and what the start takes at once is of the first one.
-    if (statistics_.account && change == Change::closing && contact.where == Where::span)
-      statistics_.account->span.latest.raise(of_span(step_->reaction()), t);
-    if (statistics_.account && change == Change::closing && contact.joint > 0)
-      statistics_.account->joints[contact.joint - 1].latest.raise(step_->reaction()[k], t);
-    if (event.impulse && change == Change::closing && contact.at_end()) {
-      EndAccount& end = account_of(contact.where == Where::right);
-      end.latest.raise(sign(k) * step_->reaction()[k], t);
-      *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (scheme_.step / 2 * step_->reaction()[k]);
-    }
+    if (statistics_.account && change == Change::closing) reactions_->close(k, t, event, *statistics_.account);
     if (observers_.event) notifier_.told(event);
-  }
-
-  // dE = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,  v = (u^{n+1} - u^{n-1}) / (2 dt), the step
-  // being made
-  void account() {
-    const double dt = scheme_.step;
-    EnergyAccount& energy = *statistics_.energy;
-    if (system_.damped()) energy.dissipated += dt * system_.bar().viscosity * step_->squared_strain_rate();
-    if (system_.has_dashpots()) energy.dissipated += dt * step_->dashpot_power();
-    if (system_.moving()) {
-      const double loss = dt * system_.lift_loss(system_.lift(time(n_), 1, dt), step_->velocity_at_nodes());
-      energy.dissipated += loss;
-      energy.work += loss;
-      const auto acceleration = [&order = step_->order(), a = step_->acceleration(),
-                                 first = system_.first_node()](std::size_t j) {
-        const std::size_t node = j - first;
-        if (j < first || node >= a.size()) return 0.0;
-        if (node < order.first || node >= order.size() - order.last) return a[node];
-        return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
-      };
-      const double of_frame = dt * system_.lift_end_power(system_.lift(time(n_), 1, dt), system_.lift(time(n_), 2, dt),
-                                                          step_->velocity_at_nodes(), acceleration);
-      for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += of_frame;
-    }
-    const auto& contacts = step_->contacts();
-    // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.
-    double taken = 0.0, given = 0.0;
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const double impulse = dt * step_->reaction()[k];
-      const std::size_t i = contacts[k].unknown;
-      const double against = contacts[k].joint > 0 ? step_->mean_velocity(i - 1) : 0.0;
-      taken -= impulse * (sign(k) * (step_->mean_velocity(i) - against));
-      if (impulse != 0.0 && system_.moves(contacts[k]))
-        given -= impulse * (gap(k, n_ + 1) - gap(k, n_ - 1)) / (2.0 * dt);
-    }
-    taken += given;
-    energy.work += given;
-    energy.dissipated += taken;
-    if (system_.loaded()) energy.work += dt * step_->load_power();
-    if (system_.has_end_rows()) {
-      const double taken_by_rows = dt * step_->end_power();
-      energy.end_inertia += taken_by_rows, energy.dissipated += taken_by_rows;
-    }
-    if (system_.side()) account_side(*system_.side());
-    energy.notice(energy.dissipated, energy.work);
-    if (!contacts.empty()) watch_growth(taken);
-  }
-
-  // For v^n and the mean of u^{n+1} and u^{n-1}.
-  void account_side(const SideRows& side) {
-    const double dt = scheme_.step;
-    EnergyAccount& energy = *statistics_.energy;
-    const auto v = step_->velocity_at_nodes();
-    const auto u = step_->displacement_at_nodes();
-    double rows = dt * side.row_power(v, u);
-    if (side.has_drag()) energy.dissipated += dt * side.drag_power(v);
-    if (system_.moving()) {
-      const Lift lift = system_.lift(time(n_), 0, dt), rate = system_.lift(time(n_), 1, dt);
-      const double loss = dt * system_.side_lift_loss(rate, v),
-                   of_frame = dt * system_.side_lift_power(lift, rate, v, u);
-      energy.dissipated += loss;
-      energy.work += loss + of_frame;
-      rows += of_frame;
-    }
-    energy.end_inertia += rows, energy.dissipated += rows;
-  }
-
-  // An impact of Paoli and Schatzman's lasts two steps: what the first took the second may give back. So impacts are
-  // compared where nothing has touched for two.
-  void watch_growth(double taken) {
-    EnergyAccount& energy = *statistics_.energy;
-    taken_ += taken;
-    if (taken_at_rest_ - taken_ > energy.growth) {
-      energy.growth = taken_at_rest_ - taken_;
-      energy.growth_time = std::min(time(n_), times_.back());
-    }
-    const bool touching = std::ranges::find(active_, 1) != active_.end();
-    if (!touching && !touching_) taken_at_rest_ = std::max(taken_at_rest_, taken_);
-    touching_ = touching;
   }
 
   // With a restitution the constraint does not bound u^{n+1} alone.
@@ -561,8 +371,8 @@ class Run {
   void close_account() {
     count();
     if (!step_ || !statistics_.energy) return;
-    const double of_frame = step_->frame_energy(time(n_));
-    statistics_.energy->final = step_->energy() + of_frame;
+    const double of_frame = energy_->of_frame(time(n_));
+    statistics_.energy->final = energy_->energy() + of_frame;
     statistics_.energy->work += of_frame;
   }
 
@@ -580,12 +390,6 @@ class Run {
     throw IntegrationError(why, fmt::format("fully discrete scheme (2.8) at t = {}: {}", t, what), statistics_);
   }
 
-  struct WatchedEnd {
-    EndAccount* account;
-    const double *u, *p;  // of its node; of a wall in a moving frame u alone
-    bool right;
-  };
-
   const BarSystem& system_;
   const StartingPoint& start_;
   std::span<const double> times_;
@@ -596,20 +400,17 @@ class Run {
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
-  double largest_ = 0.0;                      // force on a contact that a change has met
-  double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched
-  bool touching_ = false;
+  double largest_ = 0.0;  // force on a contact that a change has met
   JumpFilter filter_;
   std::optional<PenalisedSystem> settled_;  // the system of the scheme, as the filter takes it
   double next_break_ = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, double>> begun_;  // breaks that the load has a part of, and the share that is left
-  bool spanned_ = false;                          // by an obstacle
-  std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
-  std::vector<WatchedEnd> watched_;
   std::vector<double> u_, v_, u_nodal_, v_nodal_;
   std::vector<double> a_nodal_;  // where an end is fixed
   std::vector<double> joint_forces_;
   std::optional<TimeStep> step_;
+  std::optional<StepEnergy> energy_;  // of it
+  std::optional<StepReactions> reactions_;
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "schemes/time_step.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -163,8 +162,8 @@ void TimeStep::project_start() {
     }
     return;
   }
-  std::vector<double> p = to_nodes([this](std::size_t i) { return p_[i]; });
-  std::vector<double> momentum(p.size()), impulse(contacts_.size());
+  std::vector<double> p(p_.size()), momentum(p.size()), impulse(contacts_.size());
+  order_.to_nodes([this](std::size_t i) { return p_[i]; }, p);
   inertia.multiply(p, momentum);
   if (covers_span(contacts_)) {
     SpanConstraint span(inertia);
@@ -302,9 +301,8 @@ void TimeStep::substitute(Use&& use) {
   for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
 }
 
-std::span<const double> TimeStep::acceleration() {
-  if (eliminated_) substitute([](std::size_t, const auto&) {});
-  return a_;
+void TimeStep::complete() {
+  substitute([](std::size_t, const auto&) {});
 }
 
 namespace {
@@ -365,43 +363,6 @@ std::span<const unsigned char> TimeStep::active() const {
 bool TimeStep::finite() const {
   if (std::holds_alternative<SpanConstraint>(solver_)) return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
   return std::isfinite(interface_.front()) && std::isfinite(interface_.back());
-}
-
-double TimeStep::end_power() const {
-  return system_.inertia().unsymmetric_product([this](std::size_t i) { return mean_velocity(i); }, RowValues{a_});
-}
-
-double TimeStep::dashpot_power() const {
-  double power = 0.0;
-  for (const Support& support : system_.supports())
-    power += support.dashpot * mean_velocity(support.unknown) * mean_velocity(support.unknown);
-  return power;
-}
-
-// u^n, u^{n-1}, p^{n-1/2} of the nodes in their order.
-std::array<std::vector<double>, 3> TimeStep::nodal() const {
-  return {to_nodes([this](std::size_t i) { return u_[i]; }),
-          to_nodes([this](std::size_t i) { return u_[i] - dt_ * p_[i]; }),
-          to_nodes([this](std::size_t i) { return p_[i]; })};
-}
-
-EnergyState TimeStep::energies(double t) const {
-  const auto [u, u_before, p] = nodal();
-  Lift now, before, rate;
-  if (system_.moving()) {
-    now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
-    rate = {(now.left - before.left) / dt_, (now.right - before.right) / dt_};
-  }
-  const BarEnergy at_end = system_.lifted_energy(now, rate, u, p);
-  return {.kinetic = at_end.kinetic,
-          .elastic = (at_end.elastic + system_.lifted_energy(before, rate, u_before, p).elastic) / 2};
-}
-
-double TimeStep::frame_energy(double t) const { return system_.moving() ? energies(t).total() - energy() : 0.0; }
-
-double TimeStep::energy() const {
-  const auto [u, u_before, p] = nodal();
-  return (system_.energy(u, p) + system_.energy(u_before, p)) / 2;
 }
 
 std::size_t TimeStep::linear_solves() const {

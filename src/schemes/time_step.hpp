@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <variant>
@@ -56,9 +55,13 @@ class TimeStep {
   }
 
   const LaneOrder& order() const { return order_; }
-  std::span<const double> u() const { return u_; }                         ///< u^n
-  std::span<const double> p() const { return p_; }                         ///< p^{n-1/2}
-  std::span<const double> acceleration();                                  ///< a^n
+  std::span<const double> u() const { return u_; }  ///< u^n
+  std::span<const double> p() const { return p_; }  ///< p^{n-1/2}
+  /// a^n
+  std::span<const double> acceleration() {
+    if (eliminated_) complete();
+    return a_;
+  }
   std::span<const double> acceleration_before() const { return before_; }  ///< a^{n-1}
 
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
@@ -80,42 +83,8 @@ class TimeStep {
   /// M f(t_n); only for a loaded system.
   std::span<const double> load() const { return load_now_; }
 
-  /// After advance(): int v_x^2 and v.M f(t_n) of v^n = (u^{n+1} - u^{n-1}) / (2 dt)
-  double squared_strain_rate() const { return bar_.squared_strain_rate(p_, -dt_ / 2, a_); }
-  double load_power() const { return power(load_now_, p_, -dt_ / 2, a_); }
-
-  /// After advance(): v^n of a node that is stored at i, an end's at either end.
-  double mean_velocity(std::size_t i) const { return p_[i] - dt_ / 2 * a_[i]; }
-  /// After advance(), with a side that resists, where nodes are stored in their order: v^n and the mean of u^{n+1} and
-  /// u^{n-1} at all nodes.
-  auto velocity_at_nodes() const {
-    return [this, first = system_.first_node()](std::size_t j) {
-      return j < first || j - first >= p_.size() ? 0.0 : mean_velocity(j - first);
-    };
-  }
-  auto displacement_at_nodes() const {
-    return [this, first = system_.first_node()](std::size_t j) {
-      if (j < first || j - first >= u_.size()) return *system_.wall(j > 0);
-      return u_[j - first] - dt_ * (p_[j - first] - dt_ / 2 * a_[j - first]);
-    };
-  }
-
-  /// After advance(): sum c_e v_e^2 of v^n.
-  double dashpot_power() const;
-
-  /// After advance(): v^n . rho (M - Q) a^n, of a mass with end rows. Three nodes at either end, in any order stored
-  /// first and last, make it.
-  double end_power() const;
-
   /// True if a^n is finite; one value that is not spreads over the nodes that are solved for together.
   bool finite() const;
-
-  /// E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1})), in the frame of the system
-  double energy() const;
-  /// Its two parts, of the bar itself, t being t_n.
-  EnergyState energies(double t) const;
-  /// Contribution of a frame that moves; 0 otherwise.
-  double frame_energy(double t) const;
 
   std::size_t linear_solves() const;
   std::size_t factorisations() const;
@@ -129,19 +98,13 @@ class TimeStep {
   void solve(double lever);
   template <class Use>
   void substitute(Use&& use);
+  void complete();
   void advance_in_order();
   void start_from(const State& start, double begin, Start order);
   void project_start();
   void settle_massless(const Contact& contact, std::size_t next, double begin);
   void keep_within(std::size_t k);
   double least_velocity(std::size_t k) const;
-  template <class Value>
-  std::vector<double> to_nodes(Value&& value) const {
-    std::vector<double> nodes(u_.size());
-    order_.to_nodes(value, nodes);
-    return nodes;
-  }
-  std::array<std::vector<double>, 3> nodal() const;
   void solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound, std::span<double> x,
                   std::span<double> multiplier);
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <limits>
 #include <new>
 #include <string_view>
@@ -8,6 +7,7 @@
 #include "case/alarm.hpp"
 #include "input/described_scene.hpp"
 #include "input/toml_text.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/record/record_run.hpp"
@@ -152,7 +152,7 @@ bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool(
       if (!estimate.kept) row.error = "the error that was asked for is not kept: " + estimate.doubt;
       return true;
     }
-  } catch (const accuracy::Stopped&) {
+  } catch (const StudyStopped&) {
     return false;
   }
 }
@@ -169,7 +169,7 @@ std::string fitting(std::string text) {
 
 std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase& one,
                                  const std::function<bool()>& interrupted) {
-  const auto started = std::chrono::steady_clock::now();
+  const WallClock clock;
   SweepRow row;
   row.index = one.index;
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
@@ -185,7 +185,7 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
     row.error = error.what();
   }
   row.error = fitting(one_line(row.error));
-  row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  row.seconds = clock.seconds();
   return row;
 }
 

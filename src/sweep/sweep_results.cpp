@@ -57,15 +57,15 @@ void SweepResults::add(const SweepRow& row) {
 
 void SweepResults::refresh_tables() {
   // Does it when it is time; says when it is time again.
-  const auto now_and_then = [](Clock::time_point& next, Clock::duration least, auto&& action) {
-    const auto begin = Clock::now();
+  const auto now_and_then = [this](double& next, double least, auto&& action) {
+    const double begin = clock_.seconds();
     if (begin < next) return;
     action();
-    const auto end = Clock::now();
-    next = end + std::max(least, 50 * (end - begin));
+    const double end = clock_.seconds();
+    next = end + std::max(least, 50.0 * (end - begin));
   };
-  now_and_then(next_commit_, Clock::duration::zero(), [&] { table_->commit(); });
-  if (written_ != done_) now_and_then(next_, std::chrono::seconds(2), [&] { write_tables(directory_.path()); });
+  now_and_then(next_commit_, 0.0, [&] { table_->commit(); });
+  if (written_ != done_) now_and_then(next_, 2.0, [&] { write_tables(directory_.path()); });
 }
 
 void SweepResults::write_tables(const std::filesystem::path& folder) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -13,6 +12,7 @@
 #include "report/columns.hpp"
 #include "results/result_directory.hpp"
 #include "results/summary.hpp"
+#include "run/stopwatch.hpp"
 #include "viscobar/sweep/sweep.hpp"
 
 namespace viscobar {
@@ -48,7 +48,6 @@ class SweepResults {
   void keep(SweepRow row);
   void write_tables(const std::filesystem::path& folder);
 
-  using Clock = std::chrono::steady_clock;
   const ResultDirectory directory_;
   const SweepPlan& plan_;
   std::unique_ptr<SweepTable> table_;
@@ -56,7 +55,8 @@ class SweepResults {
   std::size_t done_ = 0, failed_ = 0;
   std::optional<std::size_t> written_;  // rows in the CSV files
   FileChecksums checksums_;
-  Clock::time_point next_ = Clock::now(), next_commit_ = next_;
+  WallClock clock_;
+  double next_ = 0.0, next_commit_ = 0.0;  // on it
 };
 
 /// The columns of sweep.csv and of the table for people: index, varied keys, completed (1 or 0), error, plan.columns().

@@ -12,13 +12,8 @@ namespace viscobar::campaign {
 
 namespace {
 
-struct NoTruth {};
-
 accuracy::Sample sample(const Case& run) {
-  std::size_t steps = 0;
-  const auto found = accuracy::sample_of(run, [&] { return ++steps > 400'000; });
-  if (!found) throw NoTruth();
-  return *found;
+  return accuracy::sample_of(run, run.output_times(), {.stop = {}, .steps = 400'000});
 }
 
 // With the law of contact of the run, where that is not the rigid one that all laws at an end without mass tend to.
@@ -154,7 +149,7 @@ std::optional<TrueError> true_error(const Case& run) try {
   const accuracy::Sample found = sample(own);
   const auto motion = [&](std::size_t finer, double looser) {
     Case truth = truth_of(own, finer, looser);
-    if (!faults(resolve(truth)).empty()) throw NoTruth();
+    if (!sound(truth)) throw TooLong();
     return sample(truth);
   };
   const std::size_t finer = run.scene.span ? 4 : run.elements < 30 ? 8 : 4;
@@ -164,7 +159,7 @@ std::optional<TrueError> true_error(const Case& run) try {
   if (!truth.statistics.representation)
     result.own = accuracy::difference(motion(finer, 100.0), truth, Goal::displacement);
   return result;
-} catch (const NoTruth&) {
+} catch (const TooLong&) {
   return std::nullopt;
 } catch (const IntegrationError&) {
   return std::nullopt;

@@ -150,12 +150,12 @@ TEST(LayerError, IsThatOfABarThatStopsDead) {
     std::vector<double> times{0.0};
     for (int k = 1; k <= 200; ++k) times.push_back(0.1 + 0.01 * 2.0 * 0.00125 * k);
     times.push_back(run.end);
-    const accuracy::Sample coarse = *accuracy::sample_of(run, times, {});
+    const accuracy::Sample coarse = accuracy::sample_of(run, times);
     const double layer = accuracy::layer_error(run, 1.0);
     const bool fourth = run.mass == Mass::fourth_order;
     run.elements *= 16;
     run.mass = Mass::fourth_order;
-    const double error = accuracy::difference(coarse, *accuracy::sample_of(run, times, {}), Goal::displacement);
+    const double error = accuracy::difference(coarse, accuracy::sample_of(run, times), Goal::displacement);
     EXPECT_GE(error / layer, 0.9) << mass;
     if (fourth) {
       EXPECT_LE(error / layer, 1.1);

@@ -1,10 +1,10 @@
+#include "run/stopwatch.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <ctime>
 #include <thread>
-
-#include "run/notifier.hpp"
 
 namespace viscobar::testing_stopwatch {
 namespace {

@@ -155,7 +155,7 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
                       result.estimate.order.value_or(0.0), result.estimate.doubt);
   if (result.run.elements > (study.scene.scene.span ? 256u : 2100u)) return verdict;
   const Case truth = truth_of(result.run);
-  const auto sample = [&](const Case& run) { return *accuracy::sample_of(run, std::function<bool()>{}); };
+  const auto sample = [&](const Case& run) { return accuracy::sample_of(run, run.output_times()); };
   accuracy::Sample exact;
   verdict.truth_seconds = seconds_of([&] { exact = sample(truth); });
   // Contacts are those that matter to the error that was asked for.
@@ -281,7 +281,7 @@ void gallery() {
       study.request.relative = true;
       AccuracyResult result;
       const Cost all = least_cost(measurements, [&] { result = solve(study); });
-      const auto sample = [&](const Case& run) { return *accuracy::sample_of(run, std::function<bool()>{}); };
+      const auto sample = [&](const Case& run) { return accuracy::sample_of(run, run.output_times()); };
       double error = result.estimate.total;
       Case hand = result.run;
       if (hand.method != MethodName::characteristics) {

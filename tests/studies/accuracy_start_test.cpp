@@ -49,7 +49,7 @@ double error_of(const AccuracyResult& result) {
   truth.restitution.reset();
   truth.elements *= 4;
   truth.tolerance = Tolerance{std::clamp(result.run.tolerance.relative / 30.0, 1e-12, 1e-8)};
-  const auto sample = [](const Case& run) { return *accuracy::sample_of(run, std::function<bool()>{}); };
+  const auto sample = [](const Case& run) { return accuracy::sample_of(run, run.output_times()); };
   return accuracy::difference(sample(result.run), sample(truth), Goal::displacement);
 }
 

@@ -75,7 +75,7 @@ TEST(AccuracyOnRequest, RunsThatLookForNoPeaksHaveTheSameMotionContactsAndImpuls
   for (const char* method : {"rigid", "cvode", "exponential"}) {
     const Case run =
         parse_scene(rebound, "scene", std::vector<std::string>{fmt::format("method.name=\"{}\"", method)}).run;
-    const auto sample = [&](bool peaks) { return *accuracy::sample_of(run, run.output_times(), {}, peaks); };
+    const auto sample = [&](bool peaks) { return accuracy::sample_of(run, run.output_times(), {}, peaks); };
     const accuracy::Sample plain = sample(false), whole = sample(true);
     EXPECT_EQ(plain.u, whole.u) << method;
     EXPECT_EQ(plain.impulse, whole.impulse) << method;
@@ -214,7 +214,7 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
                                  std::vector<std::string>{"method.name=fully_discrete", "mesh.mass=lumped",
                                                           "mesh.elements=512", "method.step=5e-5"})
                          .run;
-  const accuracy::Sample fine = *accuracy::sample_of(truth, std::function<bool()>{});
+  const accuracy::Sample fine = accuracy::sample_of(truth, truth.output_times());
   EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement), error);
 }
 
@@ -228,7 +228,7 @@ accuracy::Sample on_the_floor(const char* mass, std::size_t elements) {
                                std::vector<std::string>{fmt::format("mesh.mass={}", mass),
                                                         fmt::format("mesh.elements={}", elements)})
                        .run;
-  return *accuracy::sample_of(run, std::function<bool()>{});
+  return accuracy::sample_of(run, run.output_times());
 }
 
 TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
@@ -263,7 +263,7 @@ TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
   Case waves = result.run;
   waves.method = MethodName::characteristics;
-  const accuracy::Sample exact = *accuracy::sample_of(waves, std::function<bool()>{});
+  const accuracy::Sample exact = accuracy::sample_of(waves, waves.output_times());
   EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), exact, Goal::displacement), 1e-2);
 }
 
@@ -367,7 +367,7 @@ TEST(AccuracyOnRequest, TheMeshOfALimitStudyKeepsTheErrorAtEachPenalty) {
         run.tolerance = Tolerance{1e-10};
         const auto on = [&](std::size_t elements) {
           run.elements = elements;
-          return *accuracy::sample_of(run, std::function<bool()>{});
+          return accuracy::sample_of(run, run.output_times());
         };
         EXPECT_LE(4.0 / 3.0 * difference(on(solved.run.elements), on(4 * solved.run.elements), Goal::displacement),
                   error)

@@ -69,7 +69,7 @@ void XdmfFile::begin() { write_atomically(path_, std::string(head) + std::string
 
 void XdmfFile::append(std::span<const double> times) {
   pending_.insert(pending_.end(), times.begin(), times.end());
-  if (Clock::now() >= next_) publish();
+  if (clock_.seconds() >= next_) publish();
 }
 
 void XdmfFile::close() {
@@ -78,7 +78,7 @@ void XdmfFile::close() {
 }
 
 void XdmfFile::publish() {
-  const auto started = Clock::now();
+  const WallClock writing;
   try {
     NewFile next(path_);
     std::filesystem::copy_file(path_, next.part());
@@ -101,7 +101,7 @@ void XdmfFile::publish() {
   }
   rows_ += pending_.size();
   pending_.clear();
-  next_ = Clock::now() + 20 * (Clock::now() - started);
+  next_ = clock_.seconds() + 20.0 * writing.seconds();
 }
 
 Checksum XdmfFile::checksum() const {

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "run/stopwatch.hpp"
 #include "text/checksum.hpp"
 
 namespace viscobar {
@@ -44,7 +44,6 @@ class XdmfFile {
   Checksum checksum() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   void publish();
   void add_grid(std::string& text, std::size_t row, double time) const;
 
@@ -52,7 +51,8 @@ class XdmfFile {
   std::size_t nodes_, rows_ = 0;
   Checksum written_;  // of what stands before the closing tags
   std::vector<double> pending_;
-  Clock::time_point next_ = Clock::now();
+  WallClock clock_;
+  double next_ = 0.0;  // on it
 };
 
 }  // namespace viscobar

@@ -173,7 +173,7 @@ void Plan::climb() {
     doubt_ = fmt::format("meshes of more than {} elements take longer than {:.3g} s to try, and that one is too coarse",
                          known, study_.most_seconds);
   }
-  runs_.most_seconds.reset();
+  runs_.most_seconds = RunLimits().seconds;
   looser_ = 1.0;
 }
 

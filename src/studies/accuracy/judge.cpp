@@ -44,7 +44,7 @@ double Plan::magnification() {
   for (const Setting& known : runs_.known())
     if (known.epsilon == chosen_.epsilon) finest = known;
   if (!finest) return 1.0;
-  const std::optional<double> bound = std::exchange(runs_.most_seconds, std::nullopt);
+  const double bound = std::exchange(runs_.most_seconds, RunLimits().seconds);
   runs_.make({nudged(*finest)});
   runs_.most_seconds = bound;
   return difference(runs_.of(*finest), runs_.of(nudged(*finest)), Goal::displacement) / moved_by_nudge();

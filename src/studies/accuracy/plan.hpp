@@ -30,12 +30,12 @@ class Plan {
   /// Estimates the error of a case as it is: nothing is chosen. The runs may take so many seconds together.
   Plan(Case as_it_is, double most_seconds, std::function<bool()> stop);
 
-  /// The case to run now, its settings chosen by runs on coarser meshes. @throws Stopped, IntegrationError
+  /// The case to run now, its settings chosen by runs on coarser meshes. @throws StudyStopped, IntegrationError
   Case next();
   /// At which a solution is to be looked at by who runs it anyway.
   const std::vector<double>& times() const { return runs_.times(); }
   /// The estimate for the case of next(), which is run, in memory, where nobody has a sample of it.
-  /// @throws Stopped, TooLong, IntegrationError
+  /// @throws StudyStopped, TooLong, IntegrationError
   ErrorEstimate judge(std::optional<Sample> solution = {});
   /// True if next() has a better one.
   bool again() const { return again_; }

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
+#include "run/stopwatch.hpp"
 #include "studies/accuracy/plan.hpp"
 
 namespace viscobar::accuracy {
@@ -30,7 +30,7 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
   plan.next();
   result.estimate = plan.judge(std::move(solution));
   return result;
-} catch (const Stopped&) {
+} catch (const StudyStopped&) {
   return {std::nullopt, "it was interrupted", run.elements};
 } catch (const TooLong&) {
   return {std::nullopt, fmt::format("its runs take longer than {:.2g} s", std::max(seconds, least_seconds)),
@@ -51,13 +51,10 @@ QuickEstimate forecast(const Case& run, double seconds, const std::function<bool
 
 QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds,
                        const std::function<bool()>& stop) try {
-  using Clock = std::chrono::steady_clock;
   AccuracyStudy study;
   study.scene = run;
   study.request = request;
-  study.stop = [end = Clock::now() + std::chrono::duration<double>(seconds), &stop] {
-    return Clock::now() > end || (stop && stop());
-  };
+  study.stop = [clock = WallClock(), seconds, &stop] { return clock.seconds() > seconds || (stop && stop()); };
   Plan plan(study);
   QuickEstimate result;
   do {
@@ -66,7 +63,7 @@ QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds
   } while (plan.again());
   result.elements = run.elements;
   return result;
-} catch (const Stopped&) {
+} catch (const StudyStopped&) {
   return {std::nullopt, fmt::format("the search for the settings of [accuracy] takes longer than {:.2g} s", seconds),
           run.elements};
 } catch (const std::exception& error) {

@@ -1,10 +1,10 @@
 #include "studies/accuracy/runs.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "case/run_cost.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/parallel.hpp"
 
 namespace viscobar::accuracy {
@@ -44,23 +44,25 @@ std::size_t Runs::long_ones(const std::vector<Setting>& settings) const {
       std::count_if(settings.begin(), settings.end(), [&](const Setting& one) { return expected(one) >= seconds; }));
 }
 
-Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const {
+Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, double most) const {
   Batch batch{std::move(settings), {}, 0.0};
   batch.found.resize(batch.settings.size());
-  const auto began = std::chrono::steady_clock::now();
-  const auto passed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
-  const auto stop = [&] { return abandoned_ || (stop_ && stop_()) || (most && passed() > *most); };
-  parallel_for(
-      batch.settings.size(),
-      [&](std::size_t i) { batch.found[i] = sample_of(make_(batch.settings[i]), times_, stop, peaks_); }, threads);
-  batch.seconds = passed();
+  const WallClock clock;
+  const auto stop = [&] { return abandoned_ || (stop_ && stop_()); };
+  const auto run = [&](std::size_t i) {
+    try {
+      batch.found[i] = sample_of(make_(batch.settings[i]), times_, {stop, most - clock.seconds()}, peaks_);
+    } catch (const TooLong&) {  // those that came to their end are kept
+    }
+  };
+  parallel_for(batch.settings.size(), run, threads);
+  batch.seconds = clock.seconds();
   return batch;
 }
 
 void Runs::keep(Batch batch) {
   seconds_ += batch.seconds;
   for (std::size_t i = 0; i < batch.settings.size(); ++i) {
-    if (!batch.found[i] && stop_ && stop_()) throw Stopped();
     if (!batch.found[i]) throw TooLong();
     made_.emplace_back(batch.settings[i], batch.found[i]->statistics);
     samples_.emplace(batch.settings[i], std::move(*batch.found[i]));
@@ -72,8 +74,7 @@ void Runs::make(std::vector<Setting> settings) {
   settings = unknown(std::move(settings));
   if (settings.empty()) return;
   const std::size_t threads = threads_ > 1 && long_ones(settings) > 1 ? threads_ : 1;
-  keep(work(std::move(settings), threads,
-            most_seconds ? std::optional(std::max(0.0, *most_seconds - seconds_)) : std::nullopt));
+  keep(work(std::move(settings), threads, most_seconds - seconds_));
 }
 
 void Runs::begin(std::vector<Setting> settings) {
@@ -81,7 +82,7 @@ void Runs::begin(std::vector<Setting> settings) {
   settings = unknown(std::move(settings));
   if (threads_ < 2 || long_ones(settings) == 0) return;
   begun_ = std::async(std::launch::async, [this, settings = std::move(settings)]() mutable {
-    return work(std::move(settings), threads_ - 1, std::nullopt);
+    return work(std::move(settings), threads_ - 1, RunLimits().seconds);
   });
 }
 

@@ -12,12 +12,6 @@
 
 namespace viscobar::accuracy {
 
-/// The study was asked to stop.
-struct Stopped {};
-
-/// The runs for the estimate took longer than the study allows.
-struct TooLong {};
-
 /// Settings that runs differ in: J, the relative tolerance or the time step, epsilon (0: nothing is penalised), and
 /// whether the initial velocity is changed by a little.
 struct Setting {
@@ -40,7 +34,8 @@ class Runs {
   Runs(const Runs&) = delete;
   Runs& operator=(const Runs&) = delete;
 
-  /// Makes those that are not known yet, side by side, the dearest first. @throws Stopped, TooLong, IntegrationError
+  /// Makes those that are not known yet, side by side, the dearest first. @throws StudyStopped, TooLong,
+  /// IntegrationError
   void make(std::vector<Setting> settings);
   /// The same beside what the caller does until finish(), on the other cores; where there are none, or no run takes a
   /// millisecond, nothing.
@@ -60,8 +55,8 @@ class Runs {
   const std::vector<std::pair<Setting, Statistics>>& made() const { return made_; }
   /// Wall-clock time of these runs.
   double seconds() const { return seconds_; }
-  /// Bound of seconds(); a run that would exceed it is ended. Absent: no bound.
-  std::optional<double> most_seconds;
+  /// Bound of seconds(); a run that would exceed it is ended.
+  double most_seconds = RunLimits().seconds;
 
  private:
   struct Batch {
@@ -71,7 +66,7 @@ class Runs {
   };
   std::vector<Setting> unknown(std::vector<Setting> settings) const;
   std::size_t long_ones(const std::vector<Setting>& settings) const;
-  Batch work(std::vector<Setting> settings, std::size_t threads, std::optional<double> most) const;
+  Batch work(std::vector<Setting> settings, std::size_t threads, double most) const;
   void keep(Batch batch);
 
   std::function<Case(const Setting&)> make_;

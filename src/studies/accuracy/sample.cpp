@@ -111,12 +111,7 @@ Sample Probe::take(const Statistics& statistics) {
   return std::move(sample_);
 }
 
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop) {
-  return sample_of(run, run.output_times(), stop);
-}
-
-std::optional<Sample> sample_of(const Case& run, std::span<const double> times, const std::function<bool()>& stop,
-                                bool peaks) {
+Sample sample_of(const Case& run, std::span<const double> times, const RunLimits& limits, bool peaks) {
   Case plain = run;
   plain.directions.clear();
   const Setup setup = resolve(std::move(plain));
@@ -127,10 +122,7 @@ std::optional<Sample> sample_of(const Case& run, std::span<const double> times, 
   observers.extremes = peaks;
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
-  if (stop) observers.progress = [&stop](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-  const Statistics done = simulate(setup, times, observers);
-  if (!done.completed) return std::nullopt;
-  return probe.take(done);
+  return probe.take(simulate_within(limits, setup, setup.system(), times, observers));
 }
 
 Sample sample_of(const Case& run, const Recording& recording) {

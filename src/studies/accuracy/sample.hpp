@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "studies/run_limits.hpp"
 #include "viscobar/case/accuracy.hpp"
-#include "viscobar/case/case.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::accuracy {
@@ -63,12 +63,8 @@ class Probe {
   Sample sample_;
 };
 
-/// Runs a case in memory; peaks of reactions are 0 unless they are asked for. Absent when `stop` said so.
-/// @throws IntegrationError
-std::optional<Sample> sample_of(const Case& run, std::span<const double> times, const std::function<bool()>& stop,
-                                bool peaks = false);
-/// At its output times.
-std::optional<Sample> sample_of(const Case& run, const std::function<bool()>& stop);
+/// Runs a case in memory; peaks of reactions are 0 unless they are asked for. @throws as simulate_within()
+Sample sample_of(const Case& run, std::span<const double> times, const RunLimits& limits = {}, bool peaks = false);
 
 /// Sample of a recording with its account: that of a probe in the same run.
 Sample sample_of(const Case& run, const Recording& recording);

@@ -8,6 +8,7 @@
 
 #include "case/alarm.hpp"
 #include "studies/parallel.hpp"
+#include "studies/run_limits.hpp"
 #include "viscobar/case/recorder.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/studies/limit/limit.hpp"
@@ -28,12 +29,12 @@ std::optional<std::string> try_method(MethodChoice& choice, const Case& scene, M
   if (!run.mass) run.mass = common_mass(scene);
   const bool needs_step = is_scheme(method) && !run.step;
   if (needs_step) run.step = resolve(run).step;
-  std::vector<Finding> findings = faults(resolve(run));
-  if (!findings.empty() && !scene.mass) {
+  auto reason = fault_in_words(resolve(run));
+  if (reason && !scene.mass) {
     run.mass.reset();
-    findings = faults(resolve(run));
+    reason = fault_in_words(resolve(run));
   }
-  if (!findings.empty()) return fmt::format("{}: {}", findings.front().key, findings.front().problem);
+  if (reason) return reason;
   if (needs_step) choice.default_step.push_back(method);
   choice.cases.push_back(std::move(run));
   return std::nullopt;

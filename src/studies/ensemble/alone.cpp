@@ -10,6 +10,7 @@
 
 #include "case/method_table.hpp"
 #include "studies/column_reader.hpp"
+#include "studies/run_limits.hpp"
 
 namespace viscobar::bars {
 
@@ -88,9 +89,7 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
     observers.event = [&](const Event& event) {
       if (changes.size() < layout.most_changes) changes.push_back(event.time);
     };
-    if (stop) observers.progress = [&](double) { return stop() ? RunControl::stop : RunControl::go_on; };
-    const Statistics done = simulate(setup, system, layout.times, observers);
-    if (!done.completed) throw Stopped();
+    const Statistics done = simulate_within({.stop = stop}, setup, system, layout.times, observers);
     steps = done.steps;
     values->changes_at(layout, changes);
     if (done.account) {

@@ -8,9 +8,6 @@
 
 namespace viscobar::bars {
 
-/// Thrown where the ensemble is stopped.
-struct Stopped {};
-
 /// A bar as it is told: its values, the estimate of their error (NaN: none) and the steps of its run.
 struct Told {
   std::unique_ptr<BarValues> values;
@@ -19,7 +16,7 @@ struct Told {
 };
 
 /// Runs a bar by the method of its setup, which is sound; with a wanted error at tolerances ten times apart, until the
-/// difference of two runs allows it. @throws Stopped @throws IntegrationError
+/// difference of two runs allows it. @throws StudyStopped @throws IntegrationError
 Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop);
 
 }  // namespace viscobar::bars

@@ -60,7 +60,7 @@ class EnsembleRun {
       allocate_values();
       parallel_for((bars_ + chunk_ - 1) / chunk_, [this](std::size_t k) { run_chunk(k); }, study_.threads);
       if (study_.progress) study_.progress(bars_, bars_);
-    } catch (const Stopped&) {
+    } catch (const StudyStopped&) {
     }
     return std::move(result_);
   }
@@ -97,7 +97,7 @@ class EnsembleRun {
       std::vector<double>& values = result_.values[o];
       values.reserve(all);
       while (values.size() < all) {
-        if (study_.stop && study_.stop()) throw Stopped();
+        if (study_.stop && study_.stop()) throw StudyStopped();
         values.resize(std::min(all, values.size() + piece), none);
       }
     }
@@ -213,7 +213,7 @@ class EnsembleRun {
     result_.ways[i] = BarWay::alone;
     try {
       finish(i, bars::run_alone(std::move(setup), *layout_, study_.error, study_.stop), BarWay::alone);
-    } catch (const Stopped&) {
+    } catch (const StudyStopped&) {
       throw;
     } catch (const std::exception& error) {
       complain(i, BarStatus::failed, error.what());

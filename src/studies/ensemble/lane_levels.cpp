@@ -78,7 +78,7 @@ void LaneLevels::run() {
     // Whoever waits again does so on a finer level.
     const std::span<Waiting> all = waiting_[level];
     for (std::size_t begin = 0; begin < all.size(); begin += lane_count) {
-      if (stop_ && stop_()) throw Stopped();
+      if (stop_ && stop_()) throw StudyStopped();
       const std::span<Waiting> pack = all.subspan(begin, std::min(lane_count, all.size() - begin));
       auto values = run_pack(pack, level);
       for (std::size_t l = 0; l < pack.size(); ++l) {

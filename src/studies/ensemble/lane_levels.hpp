@@ -30,7 +30,7 @@ class LaneLevels {
              std::function<void(std::size_t bar, Told)> tell, std::function<void(std::size_t bar)> alone);
 
   void add(std::size_t bar, OwnMember own);
-  /// Runs the bars added. @throws Stopped
+  /// Runs the bars added. @throws StudyStopped
   void run();
 
  private:

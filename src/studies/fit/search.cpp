@@ -13,6 +13,7 @@
 
 #include "discretisation/dense.hpp"
 #include "studies/column_reader.hpp"
+#include "studies/run_limits.hpp"
 
 namespace viscobar::fitting {
 
@@ -163,14 +164,8 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
       }
   };
   observers.event = [&](const Event& event) { misfit.changes.push_back(event); };
-  bool stopped = false;
-  observers.progress = [&](double) {
-    stopped = stopped || (study.stop && study.stop());
-    return stopped || ++misfit.steps > most_steps ? RunControl::stop : RunControl::go_on;
-  };
-  const Statistics done = simulate(setup, system, times, observers);
-  if (stopped) throw FitStopped();
-  if (!done.completed) throw std::runtime_error(fmt::format("the run takes more than {} steps", most_steps));
+  const Statistics done = simulate_within({.stop = study.stop, .steps = most_steps}, setup, system, times, observers);
+  misfit.steps = done.steps;
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;
 
   std::vector<Traced> rows;

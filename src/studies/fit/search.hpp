@@ -44,8 +44,8 @@ inline bool is_reaction(TraceColumn column) {
 }
 
 /// Runs a model beside the data, with so many steps at most. A measured contact change that the model does not have, in
-/// the order of those of its kind, counts as one at twice the end of the run. @throws std::runtime_error @throws
-/// FitStopped
+/// the order of those of its kind, counts as one at twice the end of the run. @throws as
+/// simulate_within()
 Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps);
 
 /// Where a search ended.

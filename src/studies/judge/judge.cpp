@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "studies/accuracy/runs.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/column_reader.hpp"
 #include "studies/judge/contacts.hpp"
+#include "studies/run_limits.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
@@ -21,10 +21,6 @@ namespace {
 constexpr double smallest_request = 1e-10;  // of the largest value
 constexpr double better = 10.0;             // from one of our solutions to the next, and than theirs
 constexpr double file_digits = 1e-6;        // of the largest value, that a file may not have
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 using Column = std::pair<TraceColumn, double>;
 
@@ -58,8 +54,7 @@ Motion motion_of(const Case& run, std::span<const double> times, std::span<const
     for (std::size_t k = 0; k < readers.size(); ++k) motion.columns[k].push_back(readers[k](at));
   };
   observers.event = [&](const Event& event) { motion.events.push_back(event); };
-  observers.progress = [&](double) { return stop && stop() ? RunControl::stop : RunControl::go_on; };
-  if (!simulate(setup, system, times, observers).completed) throw accuracy::Stopped();
+  simulate_within({.stop = stop}, setup, system, times, observers);
   return motion;
 }
 
@@ -206,7 +201,7 @@ std::size_t JudgedSolution::count(ContactVerdict verdict) const {
 JudgeResult judge(const JudgeStudy& study) {
   check(study);
   const Scene& scene = study.scene.scene;
-  const auto started = std::chrono::steady_clock::now();
+  const WallClock clock;
   // Places of all solutions, one behind the other, behind the ends and joints, which contacts need.
   std::vector<Column> columns = {{TraceColumn::u_left, 0.0}, {TraceColumn::u_right, 0.0}};
   for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
@@ -236,14 +231,14 @@ JudgeResult judge(const JudgeStudy& study) {
   own.request = study.request;
   own.threads = study.threads;
   own.stop = [&] {
-    return (study.stop && study.stop()) || (judgement.runs > 0 && seconds_since(started) > study.most_seconds);
+    return (study.stop && study.stop()) || (judgement.runs > 0 && clock.seconds() > study.most_seconds);
   };
   std::optional<Motion> coarser;
   std::vector<double> errors_before(columns.size(), std::numeric_limits<double>::infinity());
   for (double error = study.request.error;; error /= better) {
     own.request.error = error;
     own.request.relative = true;
-    own.most_seconds = study.most_seconds - seconds_since(started);
+    own.most_seconds = study.most_seconds - clock.seconds();
     if (judgement.runs > 0 && (own.most_seconds <= 0.0 || error < smallest_request)) {
       judgement.reason = error < smallest_request ? "a smaller error is rounding" : "the time is up";
       break;
@@ -253,7 +248,7 @@ JudgeResult judge(const JudgeStudy& study) {
     try {
       solved = solve(own);
       motion = motion_of(solved.run, times, columns, own.stop);
-    } catch (const accuracy::Stopped&) {
+    } catch (const StudyStopped&) {
       if (judgement.runs == 0 || (study.stop && study.stop())) throw;
       judgement.reason = "the time is up";
       break;

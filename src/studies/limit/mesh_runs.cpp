@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
 #include <utility>
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/parallel.hpp"
+#include "studies/run_limits.hpp"
 
 namespace viscobar::limit {
 
@@ -23,16 +24,8 @@ constexpr double of_limits = 100.0;  // between the two tolerances that tell a l
 constexpr double part_of_scouts = 1.0 / 60.0, part_of_rows = 1.0 / 24.0;
 
 Case checked(Case run) {
-  const std::vector<Finding> findings = faults(resolve(run));
-  if (!findings.empty()) throw std::invalid_argument(fmt::format("{}: {}", findings[0].key, findings[0].problem));
+  if (const auto fault = fault_in_words(resolve(run))) throw std::invalid_argument(*fault);
   return run;
-}
-
-/// Processor time of this thread: the runs that a budget allows do not depend on other load of the machine.
-double thread_seconds() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 // Tight where that costs little of the budget: the distances of seven decades are told by one tolerance then. Runs of
@@ -88,13 +81,12 @@ double step_seconds(const Case& run) {
 
 bool Run::trace(std::span<const double> times, Purse& purse) {
   const unsigned seldom = run.elements < 1000 ? 128 : 1;  // looking at the clock takes as long as a short step
-  const double begin = thread_seconds();
-  double told = begin;
+  const Stopwatch watch;  // the runs that a budget allows do not depend on other load of the machine
+  seconds = 0.0;
   unsigned calls = 0;
   const auto spend = [&] {
-    const double now = thread_seconds();
-    purse.spend(now - told);
-    told = now;
+    const double before = std::exchange(seconds, watch.seconds());
+    purse.spend(seconds - before);
   };
   try {
     traces = trace_ends(run, times, [&](double) {
@@ -108,7 +100,6 @@ bool Run::trace(std::span<const double> times, Purse& purse) {
     error = failed;
   }
   spend();
-  seconds = told - begin;
   return complete;
 }
 

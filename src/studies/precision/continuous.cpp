@@ -57,7 +57,7 @@ Continuous known(const std::string& what, double error, std::vector<Field> field
 
 }  // namespace
 
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const Patience& patience) {
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const RunLimits& limits) {
   Continuous result;
   PrecisionReference reference;
   double difference = std::numeric_limits<double>::infinity();
@@ -65,7 +65,7 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t e
   for (std::size_t doublings = 0; doublings <= least_doublings || !enough(); ++doublings, elements *= 2) {
     const Case run = on_mesh(scene, elements);
     try {
-      std::vector<Field> fields = fields_of(run, meshes, patience);
+      std::vector<Field> fields = fields_of(run, meshes, limits);
       if (!result.fields.empty()) {
         difference = 0.0;
         for (std::size_t m = 0; m < meshes.size(); ++m)
@@ -111,7 +111,7 @@ Continuous closed_form(const KnownSolution& solution, const Case& scene, std::sp
   return known(solution.name, 0.0, std::move(fields));
 }
 
-Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const Patience& patience) {
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const RunLimits& limits) {
   std::vector<Field> fields;
   double error = 0.0;
   for (const Mesh& mesh : meshes) {
@@ -124,7 +124,7 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, c
       for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
     }
     Statistics done;
-    fields.push_back(field_of(run, mesh, patience, &done));
+    fields.push_back(field_of(run, mesh, limits, &done));
     if (done.representation) error = std::max(error, done.representation->error);
   }
   return known(fmt::format("characteristics, which know the bar itself to {:.1e}", error), error, std::move(fields));

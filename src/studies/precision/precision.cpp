@@ -41,11 +41,10 @@ std::vector<Timed> timed_rows(const PrecisionStudy& study, const Case& scene, co
       Case run = scene;
       run.elements = count;
       run.method = method;
-      if (const std::vector<Finding> findings = faults(resolve(run)); !findings.empty()) {
-        const std::string reason = fmt::format("{}: {}", findings.front().key, findings.front().problem);
+      if (const auto reason = fault_in_words(resolve(run))) {
         if (!study.methods.empty())
-          throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), reason));
-        result.left_out.push_back({method, count, "", reason});
+          throw std::invalid_argument(fmt::format("{} does not fit the scene: {}", name(method), *reason));
+        result.left_out.push_back({method, count, "", *reason});
         continue;
       }
       std::vector<Timed> rows = settings_of(study, run);

@@ -86,15 +86,15 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
 
 References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
                        std::span<const Timed> rows) {
-  const Patience patience{longer * study.seconds, study.stop};
-  const auto problems = problems_of(rows, patience.seconds);
+  const RunLimits limits{study.stop, longer * study.seconds};
+  const auto problems = problems_of(rows, limits.seconds);
   const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
   std::vector<SemiDiscrete> found(jobs.size());
   parallel_for(
       jobs.size() + 1,
       [&](std::size_t i) {
         if (i > 0) {
-          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, patience);
+          found[i - 1] = solve_in_time(scene, jobs[i - 1].first, jobs[i - 1].second, limits);
           return;
         }
         Case exact = scene;
@@ -102,11 +102,11 @@ References::References(const PrecisionStudy& study, const Case& scene, std::span
         if (study.exact)
           continuous_ = closed_form(*study.exact, scene, meshes);
         else if (sound(exact))
-          continuous_ = by_characteristics(scene, meshes, patience);
+          continuous_ = by_characteristics(scene, meshes, limits);
         else
           continuous_ = refine(
               scene, meshes, std::ranges::max(rows, {}, [](const Timed& one) { return one.row.elements; }).row.elements,
-              patience);
+              limits);
       },
       study.threads);
   for (std::size_t i = 0; i < jobs.size(); ++i) solved_.emplace(jobs[i].first, std::move(found[i]));

@@ -3,32 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "dynamics/pieces.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
 namespace viscobar::precision {
-
-Statistics simulate_within(const Patience& patience, const Setup& setup, const BarSystem& system, Observers observers) {
-  using Clock = std::chrono::steady_clock;
-  const auto started = Clock::now();
-  const bool bounded = std::isfinite(patience.seconds);
-  bool stopped = false;
-  observers.off_the_clock = bounded;  // nothing else here takes time
-  if (bounded || patience.stop)
-    observers.progress = [&](double) {
-      stopped = patience.stop && patience.stop();
-      return stopped || (bounded && std::chrono::duration<double>(Clock::now() - started).count() > patience.seconds)
-                 ? RunControl::stop
-                 : RunControl::go_on;
-    };
-  const Statistics statistics = simulate(setup, system, observers);
-  if (stopped) throw PrecisionStopped();
-  if (!statistics.completed) throw TooLong();
-  return statistics;
-}
 
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out) {
   for (std::size_t j = 0; j < to.nodes(); ++j) {
@@ -42,8 +22,7 @@ void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, st
   }
 }
 
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const Patience& patience,
-                             Statistics* done) {
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const RunLimits& limits, Statistics* done) {
   std::vector<Field> fields;
   for (const Mesh& mesh : meshes) fields.push_back({mesh, {}});
   const std::vector<Piece> own = pieces_of(run.scene, run.mesh());
@@ -66,7 +45,7 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, cons
     }
   };
   const Setup setup = resolve(run);
-  const Statistics statistics = simulate_within(patience, setup, setup.system(), observers);
+  const Statistics statistics = simulate_within(limits, setup, setup.system(), observers);
   if (done) *done = statistics;
   return fields;
 }
@@ -140,9 +119,9 @@ std::vector<Case> routes(const Case& scene, const System& system, const Fineness
 
 /// The limit of a scheme from four steps. Where their changes settle to an order it is extrapolated, and its error is
 /// what the smallest step changed of that; elsewhere it is the run at that step, off by as much again, as of order 1.
-SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, const Patience& patience) {
+SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, const RunLimits& limits) {
   std::vector<Field> fields;
-  for (const Case& run : runs) fields.push_back(field_of(run, mesh, patience));
+  for (const Case& run : runs) fields.push_back(field_of(run, mesh, limits));
   Sequence changes;
   changes.within = Sequence::by_few;
   for (std::size_t i = fields.size(); i-- > 1;) changes.add(*runs[i].step, distance(fields[i - 1], fields[i]), 0.0);
@@ -174,8 +153,7 @@ System system_of(const Setup& setup) {
   return {run.elements, system.mass(), law, penalised ? setup.epsilon : 0.0};
 }
 
-SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness,
-                           const Patience& patience) {
+SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, const RunLimits& limits) {
   SemiDiscrete result;
   if (system.law == System::Law::continuous) {
     result.problem = "the method has no mesh";
@@ -188,7 +166,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
   };
   if (system.law == System::Law::impact) {
     try {
-      return limit_of_steps(runs, mesh, patience);
+      return limit_of_steps(runs, mesh, limits);
     } catch (const std::exception& error) {
       fail(runs.front(), error);
       return result;
@@ -196,7 +174,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
   }
   for (const Case& run : runs) {
     try {
-      Field field = field_of(run, mesh, patience);
+      Field field = field_of(run, mesh, limits);
       if (result.field) {
         result.error = distance(*result.field, field);
         result.what += fmt::format(", checked by {}", described(run));

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "studies/run_limits.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar::precision {
@@ -23,22 +24,6 @@ struct Field {
   std::span<const double> at(std::size_t k) const { return std::span(u).subspan(k * mesh.nodes(), mesh.nodes()); }
 };
 
-/// A run took longer than it may.
-class TooLong : public std::runtime_error {
- public:
-  TooLong() : std::runtime_error("takes too long") {}
-};
-
-/// How long a run may take, and who may stop it.
-struct Patience {
-  double seconds = std::numeric_limits<double>::infinity();
-  std::function<bool()> stop;  ///< asked after each step; may be empty
-};
-
-/// Runs the case as long as the clock allows. @throws TooLong, PrecisionStopped, IntegrationError,
-/// std::invalid_argument
-Statistics simulate_within(const Patience& patience, const Setup& setup, const BarSystem& system, Observers observers);
-
 /// The mesh of a case with as many elements.
 inline Mesh mesh_of(Case run, std::size_t elements) {
   run.elements = elements;
@@ -48,14 +33,14 @@ inline Mesh mesh_of(Case run, std::size_t elements) {
 /// P1 interpolation between meshes of one grading; exact at nodes that they share.
 void interpolate(const Mesh& from, std::span<const double> u, const Mesh& to, std::span<double> out);
 
-/// Runs the case and keeps its displacement on each of the meshes; `done`: what the run tells at its end. @throws
-/// TooLong, IntegrationError, std::invalid_argument
-std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const Patience& patience,
+/// Runs the case and keeps its displacement on each of the meshes; `done`: what the run tells at its end. @throws as
+/// simulate_within()
+std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, const RunLimits& limits,
                              Statistics* done = nullptr);
 
 /// The same on one mesh.
-inline Field field_of(const Case& run, const Mesh& mesh, const Patience& patience, Statistics* done = nullptr) {
-  return std::move(fields_of(run, std::span(&mesh, 1), patience, done).front());
+inline Field field_of(const Case& run, const Mesh& mesh, const RunLimits& limits, Statistics* done = nullptr) {
+  return std::move(fields_of(run, std::span(&mesh, 1), limits, done).front());
 }
 
 Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times);
@@ -99,7 +84,7 @@ struct SemiDiscrete {
 struct Fineness {
   double tolerance = 1e-11, step = 0.0;
 };
-SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, const Patience& patience);
+SemiDiscrete solve_in_time(const Case& scene, const System& system, const Fineness& fineness, const RunLimits& limits);
 
 /// The continuous problem, on each mesh.
 struct Continuous {
@@ -110,9 +95,9 @@ struct Continuous {
 
 /// By refinement of the mesh from `elements` on, those of the finest of `meshes`: `rigid`, on the fourth-order mass
 /// where the mesh is uniform, else, under a span obstacle, the scheme, whose step is refined with the mesh.
-Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const Patience& patience);
+Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t elements, const RunLimits& limits);
 Continuous closed_form(const KnownSolution& solution, const Case& scene, std::span<const Mesh> meshes);
 /// By characteristics, of a scene that they fit. @throws what the run does
-Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const Patience& patience);
+Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, const RunLimits& limits);
 
 }  // namespace viscobar::precision

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <utility>
 #include <vector>
 
+#include "run/stopwatch.hpp"
 #include "studies/precision/references.hpp"
 
 namespace viscobar::precision {
@@ -32,17 +32,17 @@ void time_row(const PrecisionStudy& study, Timed& timed, Spent& spent) {
   run.output_every = run.end;  // output times do not change the trajectory
   const Setup setup = resolve(std::move(run));
   const BarSystem system = setup.system();
-  const Statistics first = simulate_within({1.5 * study.seconds, study.stop}, setup, system, {});
+  const Statistics first = simulate_within({study.stop, 1.5 * study.seconds}, setup, system, {});
   if (first.integration_seconds > study.seconds) throw TooLong();
   timed.row.steps = first.steps;
   timed.row.runs = runs_for(study, first.integration_seconds);
   std::vector<double> seconds;
-  const auto begun = std::chrono::steady_clock::now();
+  const WallClock clock;
   const std::clock_t used = std::clock();
   for (std::size_t k = 0; k < timed.row.runs; ++k)
     seconds.push_back(simulate_within({.stop = study.stop}, setup, system, {}).integration_seconds);
   spent.processor += static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
-  spent.wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  spent.wall += clock.seconds();
   timed.row.seconds = median(std::move(seconds));
 }
 

@@ -10,6 +10,9 @@
 
 namespace viscobar {
 
+/// Thrown by a study whose `stop` said so.
+struct StudyStopped {};
+
 /// Settings that keep the error of a neighbouring case, for another one to begin with. They are a guess: what they save
 /// is runs, and the estimate is made as without them. The step of a scheme is none of them: to look for it on coarse
 /// meshes costs less than a step that is somewhat finer than needed.
@@ -49,6 +52,7 @@ struct AccuracyResult {
 /// each from runs that differ in one setting: h and 2h, two penalties, two tolerances.
 /// @throws std::invalid_argument where the goal has no limit, or the case nothing of its kind (no obstacle)
 /// @throws IntegrationError when no run came to its end
+/// @throws StudyStopped
 AccuracyResult solve(const AccuracyStudy& study);
 
 }  // namespace viscobar

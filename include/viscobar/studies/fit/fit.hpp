@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "viscobar/case/case.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
 
 namespace viscobar {
 
@@ -124,11 +125,8 @@ struct FitResult {
   std::optional<double> lost;               ///< from when on the best run has no derivatives
 };
 
-/// `stop` said so.
-struct FitStopped {};
-
 /// Fits a model. @throws std::invalid_argument for a study that makes no sense, and where no run of it succeeds
-/// @throws FitStopped
+/// @throws StudyStopped
 FitResult fit(const FitStudy& study);
 
 }  // namespace viscobar

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "viscobar/case/case.hpp"
+#include "viscobar/studies/accuracy/accuracy.hpp"
 
 namespace viscobar {
 
@@ -41,9 +42,6 @@ struct PrecisionStudy {
   std::function<void(const std::string& what)> progress;  ///< told what is being run; may be empty
   std::function<bool()> stop;                             ///< asked after each step of each run; may be empty
 };
-
-/// `stop` said so.
-struct PrecisionStopped {};
 
 /// One method at one tolerance or step on one mesh.
 struct PrecisionRow {
@@ -114,7 +112,7 @@ struct PrecisionResult {
 
 /// Runs the study: timed runs one by one, then references and errors on all cores. A run that fails is a row that says
 /// so. @throws std::invalid_argument when no method fits the scene, or one that was asked for does not @throws
-/// PrecisionStopped
+/// StudyStopped
 PrecisionResult precision_of(const PrecisionStudy& study);
 
 }  // namespace viscobar
