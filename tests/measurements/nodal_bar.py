@@ -46,8 +46,7 @@ class NodalBar:
         return max(k * depth ** 1.5 * (1 + c * rate), 0.0)
 
     def solve(self, disturbed=0.0):
-        """At each output time u, v, reactions and, of the ends, |acceleration| / speed of the last touch while a stop pushes, else
-        0; impulses; and velocities at contact changes."""
+        """u, v, reactions at the output times, impulses, and velocities at contact changes."""
         M, K = self.matrices()
         n = self.elements + 1
         x = np.linspace(0, self.length, n)
@@ -124,10 +123,10 @@ class NodalBar:
         times = np.minimum(self.every * np.arange(17), self.end)
         kinks = {float(s) for one in self.series.values() for s in one["places"] if 0 < s < self.end and np.min(np.abs(times - s)) > 1e-9}
         stops = sorted(kinks | {float(t) for t in times[1:]})
-        rows, changes, t = [(y, [0.0, 0.0])], [], 0.0
+        rows, changes, t = [y], [], 0.0
         if self.mass == "fourth_order" and self.elements >= 8:
             y = self.settled_start(y, inertia, stiffness, damping, outer(0.0), free)
-        touching, speed = [r != 0 for r in pushes(0.0, *full(0.0, y))], [np.inf, np.inf]
+        touching = [r != 0 for r in pushes(0.0, *full(0.0, y))]
         for stop in stops:
             done = solve_ivp(rates, (t, stop), y, method="DOP853", rtol=3e-13, atol=1e-13, max_step=0.05)
             for k in range(1, len(done.t)):
@@ -135,14 +134,13 @@ class NodalBar:
                 now = [r != 0 for r in pushes(done.t[k], u, v)]
                 for i in (0, 1):
                     if now[i] != touching[i]:
-                        speed[i] = abs(v[-i] + (gap(done.t[k], 1) if gap and i == 0 else 0.0))
-                        changes.append(speed[i])
+                        changes.append(abs(v[-i] + (gap(done.t[k], 1) if gap and i == 0 else 0.0)))
                 touching = now
             t, y = stop, done.y[:, -1]
             if np.any(np.isclose(times, stop, rtol=0, atol=1e-12)):
-                rows.append((y, [push / v for push, v in zip(touching, speed)]))
+                rows.append(y)
         out = []
-        for at, (y, late) in zip(times, rows):
+        for at, y in zip(times, rows):
             u, v = full(at, y)
             a = rates(at, y)[n:2 * n]
             reaction = pushes(at, u, v)
@@ -150,7 +148,7 @@ class NodalBar:
             for i in (0, 1):
                 if self.ends[i]["kind"] == "fixed":
                     reaction[i] = held[-i]
-            out.append((u, v, reaction, np.abs(a[[0, -1]]) * late))
+            out.append((u, v, reaction))
         return times, out, y[2 * n:], changes
 
     def settled_start(self, y, inertia, stiffness, damping, force, free):
