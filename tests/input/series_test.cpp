@@ -357,6 +357,11 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   expect("{ file = \"record.csv\", column = \"F\" }", "two values at t = 1: a jump");
   expect("{ file = \"none.csv\", column = \"F\" }", "none.csv");
   expect("{ file = \"record.csv\", column = \"Q\" }", "Q is missing; the columns are t, F");
+  write("holes.csv", "t,F\n0,1\n1,nan\n1.5,\n2,0\n");
+  expect("{ file = \"holes.csv\", column = \"F\" }", "holes.csv, line 3: f \"nan\" is no value");
+  expect("{ file = \"holes.csv\", column = \"F\" }", "holes.csv, line 4: f \"\" is no value");
+  write("glued.csv", "t,F\n0,1\n1,2\n0,1\n1,2\n2,0\n");
+  expect("{ file = \"glued.csv\", column = \"F\" }", "glued.csv, line 4: t must not decrease: 0 comes after 1");
   write("empty.csv", "");
   expect("{ file = \"empty.csv\", column = \"F\" }", "F is missing: the file has no values");
   expect("{ t = [0, 1], values = [0, 1], column = \"F\" }", "column is one of a file");
