@@ -325,18 +325,15 @@ class TraceReader {
     double value = not_measured;
     if (contains(words_, column.name)) {
       column.cells.push_back(cell);
-    } else if (is_missing(cell)) {
-      if (of_series())
-        report(
-            k + 1, column.name,
-            fmt::format("\"{}\" is no value, and the run needs one: leave the line out to go on between its neighbours",
-                        cell));
+    } else if (!of_series() && is_missing(cell)) {
       ++missing_;
     } else {
       const Number number = number_of(cell);
       if (!number.value)
         report(k + 1, column.name,
-               fmt::format("\"{}\" is no number; leave the cell empty where nothing was measured", cell));
+               fmt::format("\"{}\" is no number{}", cell,
+                           of_series() ? ", and the run needs one: leave the line out to go on between its neighbours"
+                                       : "; leave the cell empty where nothing was measured"));
       value = number.value.value_or(not_measured);
       commas_ = commas_ || number.comma;
       points_ = points_ || (!number.comma && cell.find('.') != cell.npos);

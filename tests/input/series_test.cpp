@@ -382,8 +382,9 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   expect("{ file = \"none.csv\", column = \"F\" }", "none.csv");
   expect("{ file = \"record.csv\", column = \"Q\" }", "Q is missing; the columns are t, F");
   write("holes.csv", "t,F\n0,1\n1,nan\n1.5,\n2,0\n");
-  expect("{ file = \"holes.csv\", column = \"F\" }", "holes.csv, line 3: f \"nan\" is no value");
-  expect("{ file = \"holes.csv\", column = \"F\" }", "holes.csv, line 4: f \"\" is no value");
+  expect("{ file = \"holes.csv\", column = \"F\" }",
+         "holes.csv, line 3: f \"nan\" is no number, and the run needs one");
+  expect("{ file = \"holes.csv\", column = \"F\" }", "holes.csv, line 4: f \"\" is no number");
   write("glued.csv", "t,F\n0,1\n1,2\n0,1\n1,2\n2,0\n");
   expect("{ file = \"glued.csv\", column = \"F\" }", "glued.csv, line 4: t must not decrease: 0 comes after 1");
   write("empty.csv", "");
