@@ -151,7 +151,7 @@ void Series::find_breaks() {
     const double right = (6.0 * chord(k) - 4.0 * slopes_[k] - 2.0 * slopes_[k + 1]) / after;
     return std::abs(right - left) > 1e-6 * steepest / std::min(before, after);
   };
-  // What is below this, of some thousand samples in a period, spoils no tolerance of 1e-9.
+  // Less than this, as of some thousand samples in a period, spoils no tolerance of 1e-9.
   const auto twists = [&](std::size_t k) {
     const auto third = [&](std::size_t j) {
       const double h = places_[j + 1] - places_[j];
