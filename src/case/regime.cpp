@@ -9,6 +9,7 @@
 
 #include "case/chatter.hpp"
 #include "case/method_table.hpp"
+#include "dynamics/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
 
@@ -348,7 +349,7 @@ std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& sy
 std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   const auto spans = [](const Contact& contact) { return contact.where == Where::span; };
-  if (system.mass() != Mass::fourth_order || system.rows_alike() || run.method == MethodName::characteristics ||
+  if (system.mass() != Mass::fourth_order || JumpFilter(system).acts() || run.method == MethodName::characteristics ||
       has_stops(run.scene) || system.size() < 4 || std::ranges::any_of(system.contacts(), spans))
     return std::nullopt;
   // Chosen, not derived: a twentieth of the velocity that the scene has is seen in a picture.
@@ -374,10 +375,11 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
     for (const bool right : {false, true})
       if (rings(right))
         return fmt::format(
-            "jumps: the force on the {} end jumps at t = {:.6g}, which sets going the shortest waves of a mesh of "
-            "unequal elements, a section or a chain: velocities there are off by the order of the jump; what helps: "
-            "equal elements of one bar without section, viscosity, or a smoother rise",
-            right ? "right" : "left", t);
+            "jumps: the force on the {} end jumps at t = {:.6g}, which sets going the shortest waves of the mesh: "
+            "velocities there are off by the order of the jump; what helps: {} or more equal elements of one bar "
+            "without section, no longer than 0.3 sqrt(E / k) of springs k along it, viscosity, or a smoother "
+            "rise",
+            right ? "right" : "left", t, JumpFilter::fewest_elements);
     if (until >= run.end) break;
     t = until, until = free.load().begin_leg(t, run.end);
     for (std::vector<double>* one : {&force, &rate}) std::ranges::fill(*one, 0.0);

@@ -18,7 +18,7 @@ namespace viscobar {
 ///     v += theta (h^2 rho / E) G(A) (rho M)^{-1} [b'],       u += theta (h^2 rho / E) G(A) (rho M)^{-1} ([b] - C [v]),
 ///     A = (h^2 rho / E) (rho M)^{-1} K,     G(mu) = g(mu) / mu,     g = 0 below mu = 1, 1 above 6, smooth in between,
 ///
-/// M, K, C with masses, springs, dashpots and viscosity, nodes of closed contacts held. G is a polynomial in A: 25
+/// M, K, C with masses, springs, dashpots and viscosity, nodes of closed contacts held. G is a polynomial in A: 50
 /// solves and products. From theta = max(0, 1 - 2 eta^2 / (h^2 rho E))^4 = 0 on high modes creep as those of the bar
 /// do, and nothing is done; nor where a span obstacle bounds all nodes, and on meshes of less than 8 elements, which
 /// have no mode with mu < 1 to leave alone. See docs/fourth-order.md.

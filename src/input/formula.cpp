@@ -112,7 +112,8 @@ Formula::Formula(std::shared_ptr<const Series> series, char variable)
     : series_(std::move(series)), variable_(variable) {}
 
 NextBreak Formula::breaks_of_series(bool kinks) const {
-  return [series = series_, kinks](double after, double until) { return series->next_break(after, until, kinks); };
+  return [series = series_, which = kinks ? Series::Breaks::kinks : Series::Breaks::of_load](
+             double after, double until) { return series->next_break(after, until, which); };
 }
 
 bool Formula::uses(char variable) const {

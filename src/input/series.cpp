@@ -142,29 +142,45 @@ void Series::find_breaks() {
   const auto add = [&](std::vector<double>& to, std::size_t k) {
     if (to.empty() || to.back() < places_[k]) to.push_back(places_[k]);
   };
+  auto& [kinks, of_load, of_motion] = breaks_;
   for (std::size_t k = 0; k < n && largest > 0.0; ++k)
-    if (jumps(k)) add(kinks_, k);
+    if (jumps(k)) add(kinks, k);
   const auto bends = [&](std::size_t k) {
     const double before = places_[k] - places_[k - 1], after = places_[k + 1] - places_[k];
     const double left = (4.0 * slopes_[k] + 2.0 * slopes_[k - 1] - 6.0 * chord(k - 1)) / before;
     const double right = (6.0 * chord(k) - 4.0 * slopes_[k] - 2.0 * slopes_[k + 1]) / after;
     return std::abs(right - left) > 1e-6 * steepest / std::min(before, after);
   };
+  // Less than this, as of some thousand samples in a period, spoils no tolerance of 1e-9.
+  const auto twists = [&](std::size_t k) {
+    const auto third = [&](std::size_t j) {
+      const double h = places_[j + 1] - places_[j];
+      return 6.0 * (slopes_[j] + slopes_[j + 1] - 2.0 * chord(j)) / (h * h);
+    };
+    const double shorter = std::min(places_[k] - places_[k - 1], places_[k + 1] - places_[k]);
+    return std::abs(third(k) - third(k - 1)) * shorter * shorter > 1e-7 * steepest;
+  };
+  std::vector<double> ends;
   for (std::size_t a = 0; a + 1 < n;) {
     std::size_t step = 1, b = a + 1;
     for (; b + step < n && plain(a, b + step); step *= 2) b += step;
     for (; step > 0; step /= 2)
       if (b + step < n && plain(a, b + step)) b += step;
-    if (b + 1 < n) add(breaks_, b);
+    if (b + 1 < n) add(ends, b);
     a = b;
   }
-  for (std::size_t k = 1; smooth() && k + 1 < n; ++k)
-    if (bends(k)) breaks_.push_back(places_[k]);
-  std::ranges::sort(breaks_);
-  breaks_.erase(std::unique(breaks_.begin(), breaks_.end()), breaks_.end());
-  std::vector<double> both;
-  std::ranges::set_union(kinks_, breaks_, std::back_inserter(both));
-  breaks_ = std::move(both);
+  std::vector<double> bent, twisted;
+  for (std::size_t k = 1; smooth() && k + 1 < n; ++k) {
+    if (bends(k)) add(bent, k);
+    if (twists(k)) add(twisted, k);
+  }
+  const auto both = [](const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<double> all;
+    std::ranges::set_union(x, y, std::back_inserter(all));
+    return all;
+  };
+  of_load = both(kinks, both(ends, bent));
+  of_motion = both(of_load, twisted);
 }
 
 double Series::operator()(double s, int derivative) const {
@@ -188,8 +204,8 @@ double Series::operator()(double s, int derivative) const {
   return derivative == 1 ? slopes_[k] + z * (2.0 * b + 3.0 * c * z) : 2.0 * b + 6.0 * c * z;
 }
 
-std::optional<double> Series::next_break(double after, double until, bool kinks) const {
-  const std::vector<double>& all = kinks ? kinks_ : breaks_;
+std::optional<double> Series::next_break(double after, double until, Breaks which) const {
+  const std::vector<double>& all = breaks_[static_cast<std::size_t>(which)];
   const auto next = std::ranges::upper_bound(all, after);
   return next != all.end() && *next < until ? std::optional(*next) : std::nullopt;
 }
@@ -367,9 +383,11 @@ characteristics::FunctionOfTime function_of(std::shared_ptr<const Series> series
   const auto derivative = [series](int order) -> TimeFunction {
     return [series, order](double t) { return (*series)(t, order); };
   };
-  return {start,
-          {[=](double t) { return t < early ? (rate + 0.5 * second * t) * t : (*series)(t)-start; }, derivative(1),
-           derivative(2), [series](double after, double until) { return series->next_break(after, until); }}};
+  return {
+      start,
+      {[=](double t) { return t < early ? (rate + 0.5 * second * t) * t : (*series)(t)-start; }, derivative(1),
+       derivative(2),
+       [series](double after, double until) { return series->next_break(after, until, Series::Breaks::of_motion); }}};
 }
 
 }  // namespace viscobar

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -30,10 +31,12 @@ class Series {
 
   /// The value, or its first or second derivative.
   double operator()(double s, int derivative = 0) const;
-  /// The first place in (after, until) with a jump or a kink, or where a stretch ends that a step might span without
-  /// seeing what the function does in it; absent: none there.
-  /// With `kinks` of the former alone.
-  std::optional<double> next_break(double after, double until, bool kinks = false) const;
+  /// Where a step ends: at jumps and kinks; with a load also where its second derivative jumps, and where a stretch
+  /// ends that a step might span without seeing what the function does in it; with a motion, whose load is its second
+  /// derivative, also at that one's kinks.
+  enum class Breaks { kinks, of_load, of_motion };
+  /// The first of them in (after, until); absent: none there.
+  std::optional<double> next_break(double after, double until, Breaks which) const;
 
   double first() const { return places_.front(); }  ///< place
   double last() const { return places_.back(); }    ///< place
@@ -48,7 +51,7 @@ class Series {
   }
 
   std::vector<double> places_, values_, slopes_;  // the latter of a cubic
-  std::vector<double> breaks_, kinks_;
+  std::array<std::vector<double>, 3> breaks_;     // by Breaks
   Interpolation interpolation_;
   Outside outside_;
 };
@@ -73,6 +76,7 @@ struct SeriesRequest {
 /// @throws std::invalid_argument with what is wrong; SceneError of the file
 std::shared_ptr<const Series> series_of(const SceneTable& table, const SeriesRequest& request);
 
+/// The motion of an end or an obstacle.
 characteristics::FunctionOfTime function_of(std::shared_ptr<const Series> series);
 
 }  // namespace viscobar

@@ -325,13 +325,15 @@ class TraceReader {
     double value = not_measured;
     if (contains(words_, column.name)) {
       column.cells.push_back(cell);
-    } else if (is_missing(cell)) {
+    } else if (!of_series() && is_missing(cell)) {
       ++missing_;
     } else {
       const Number number = number_of(cell);
       if (!number.value)
         report(k + 1, column.name,
-               fmt::format("\"{}\" is no number; leave the cell empty where nothing was measured", cell));
+               fmt::format("\"{}\" is no number{}", cell,
+                           of_series() ? ", and the run needs one: leave the line out to go on between its neighbours"
+                                       : "; leave the cell empty where nothing was measured"));
       value = number.value.value_or(not_measured);
       commas_ = commas_ || number.comma;
       points_ = points_ || (!number.comma && cell.find('.') != cell.npos);
@@ -344,9 +346,14 @@ class TraceReader {
   void finish() {
     const std::vector<double>& t = table_.column("t")->values;
     for (std::size_t k = 0; k < t.size() && found_.empty(); ++k)
-      if (places_name_.empty() ? !(t[k] >= 0.0) : std::isnan(t[k])) {
+      if (of_series() ? std::isnan(t[k]) : !(t[k] >= 0.0)) {
         number_ = rows_[k];
         report(1, "t", std::isnan(t[k]) ? "is missing" : fmt::format("must be a time, not negative, is {}", t[k]));
+      }
+    for (std::size_t k = 1; k < t.size() && of_series(); ++k)
+      if (t[k] < t[k - 1]) {
+        number_ = rows_[k];
+        report(1, places_name_, fmt::format("must not decrease: {} comes after {}", t[k], t[k - 1]));
       }
     if (!found_.empty()) return;
     const bool sorted = sort_rows(table_);
@@ -376,6 +383,7 @@ class TraceReader {
   static std::string labelled(const TraceFile::Column& column) {
     return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
   }
+  bool of_series() const { return !places_name_.empty(); }
   void left(std::string what) { left_.push_back(one_line(what)); }
   std::size_t place_of_time() const {
     for (std::size_t k = 0; k < places_.size(); ++k)

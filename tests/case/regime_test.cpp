@@ -196,11 +196,11 @@ TEST(FirstImpact, TellsItsErrorWhereTheRunWouldTakeLong) {
 
 // On 50 elements v of that end runs from 0.20 to 1.81 after a step of its force, where the truth is 1.
 TEST(JumpRemark, TellsForcesThatJumpWhereNoFilterOfHighModesActs) {
-  const auto remark = [](const std::string& bar, const std::string& force) {
+  const auto remark = [](const std::string& bar, const std::string& force, const std::string& parts = "50") {
     const auto setup =
         resolve(parse_scene("[bar]\nlength = 1.0\n" + bar +
                                 "[left]\nkind = \"free\"\nstiffness = 1.0\n[right]\nkind = \"free\"\nforce = " + force +
-                                "\n[mesh]\nelements = 50\nmass = \"fourth_order\"\n[time]\nend = 1.5\n",
+                                "\n[mesh]\nelements = " + parts + "\nmass = \"fourth_order\"\n[time]\nend = 1.5\n",
                             "")
                     .run);
     return jump_remark(setup, setup.system()).value_or("");
@@ -210,7 +210,11 @@ TEST(JumpRemark, TellsForcesThatJumpWhereNoFilterOfHighModesActs) {
   EXPECT_NE(remark(thin, "\"t > 0.5 ? 1 : 0\"").find("at t = 0.5,"), std::string::npos);
   EXPECT_EQ(remark(thin, "\"sin(3*t)\""), "");
   EXPECT_EQ(remark("viscosity = 0.1\n" + section, "1.0"), "");
-  EXPECT_EQ(remark("viscosity = 1e-5\n", "1.0"), "");  // JumpFilter acts
+  const std::string plain = "viscosity = 1e-5\n";
+  for (const char* parts : {"8", "50"}) EXPECT_EQ(remark(plain, "1.0", parts), "");  // JumpFilter acts
+  EXPECT_NE(remark(plain, "1.0", "7").find("the right end jumps"), std::string::npos);
+  EXPECT_NE(remark(plain + "[side]\nstiffness = 300\n", "1.0").find("the right end jumps"), std::string::npos);
+  EXPECT_EQ(remark(plain + "[side]\nstiffness = 200\n", "1.0"), "");
 }
 
 }  // namespace

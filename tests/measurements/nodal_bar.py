@@ -164,7 +164,9 @@ class NodalBar:
         mu, modes = np.linalg.eig(scale * np.linalg.solve(M, K))
         step = np.polynomial.Polynomial([35, -84, 70, -20])
         G = np.polynomial.Chebyshev.interpolate(
-            lambda m: (x := np.clip((m - 1) / 5, 0, 1)) ** 4 * step(x) / m, 24, domain=[0, 8.2])
+            lambda m: (x := np.clip((m - 1) / 5, 0, 1)) ** 4 * step(x) / m, 49, domain=[0, 8.2])
+        window = np.cos(np.pi / 100 * np.arange(50)) ** 2 / np.where(np.arange(50) == 0, 2, 1)
+        G -= G(0.0) / np.sum(window) * np.polynomial.Chebyshev((-1.0) ** np.arange(50) * window, domain=[0, 8.2])
 
         def settled(b):
             shift = modes @ (G(mu) * np.linalg.solve(modes, theta * scale * np.linalg.solve(M, b)))

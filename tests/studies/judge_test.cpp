@@ -199,6 +199,24 @@ TheirSolution late_by(double delay, std::size_t samples = 1000) {
   return theirs;
 }
 
+// Between the nodes of ours a gauge is off by O(h) of u and O(1) of v where a kink passes.
+TEST(Judge, KnowsWhatGaugesOfAnElasticBarAreOffBy) {
+  constexpr double x = 0.0333;
+  TheirSolution exact{"exact", {}, {{"u@0.0333", {}}, {"v@0.0333", {}}, {"strain@0.0333", {}}}, {}};
+  for (std::size_t k = 0; k < 400; ++k) {
+    const double t = (static_cast<double>(k) + 0.5) / 400.0, stops = 0.1 + x, leaves = 0.3 - x;
+    exact.times.push_back(t);
+    exact.columns[0].values.push_back(std::max(t - leaves, 0.0) - std::min(t, stops));
+    exact.columns[1].values.push_back(t < stops ? -1.0 : t < leaves ? 0.0 : 1.0);
+    exact.columns[2].values.push_back(t < stops || t > leaves ? 0.0 : -1.0);
+  }
+  const JudgeResult judgement = judge(bouncing({exact}));
+  for (const JudgedColumn& column : judgement.solutions[0].columns) {
+    EXPECT_FALSE(column.told_apart()) << column.name << " " << column.distance() << " " << *column.own_distance();
+    EXPECT_LT(column.distance(), 0.01) << column.name;
+  }
+}
+
 TEST(Judge, ALateContactIsOneContact) {
   const JudgeResult judgement = judge(bouncing({late_by(0.4), late_by(-0.05)}));
   for (std::size_t s = 0; s < 2; ++s) {
