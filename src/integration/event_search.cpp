@@ -233,17 +233,38 @@ std::optional<double> EventSearch::agreed(std::size_t i, double begin, double en
   return opens_by_row(i) ? lasting(i, begin, end, s) : std::optional(s);
 }
 
-// Where contact i opens, which pulls from the part s of the step on, and maybe since earlier.
+// Where contact i opens, which pulls from the part s of the step on, and maybe since earlier: by all that it pulls up
+// to the end of the step, or by one of the pulls in it that the rest of a long step outweighs.
 std::optional<double> EventSearch::lasting(std::size_t i, double begin, double end, double s) {
   Pull& pull = pulls_[i];
   if (pull.until != begin) pull = {};
-  const double from = begin + s * (end - begin), time = end - from;
+  if (counts(i, begin + s * (end - begin), end, pull)) return s;
+  // No more of them than a polynomial has zeros.
+  for (std::size_t k = 0; k < stepper_.order(); ++k) {
+    const double from = begin + s * (end - begin);
+    std::array<double, Bernstein::max_degree + 1> pulls{};
+    std::ranges::transform(against_between(i, from, end), pulls.begin(), std::negate());
+    pulls.front() = std::max(pulls.front(), 0.0);  // it begins here, but for rounding
+    const auto turn = Bernstein::through(std::span(pulls).first(stepper_.order() + 1)).first_descent(0.0);
+    if (!turn) return std::nullopt;
+    const double until = from + *turn * (end - from);
+    if (Pull one; counts(i, from, until, one)) return pull = one, s;
+    const auto next = Bernstein::through(against_between(i, until, end)).first_descent(0.0);
+    if (!next) return std::nullopt;
+    s = (until + *next * (end - until) - begin) / (end - begin);
+  }
+  return std::nullopt;
+}
+
+// True if contact i opens by its pull with that of the time from `from` to `until`.
+bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
+  const double time = until - from;
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = contacts_[i].unknown;
   const double h = system_.bar().stretch_at(node),
                impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
-  const std::span<const double> against = against_between(i, from, end);
+  const std::span<const double> against = against_between(i, from, until);
   const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
@@ -253,14 +274,13 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
     pull.of_body += force / mass * time;
   }
   pull.since = std::min(pull.since, from);
-  pull.until = against.back() < 0.0 ? end : -std::numeric_limits<double>::infinity();
+  pull.until = against.back() < 0.0 ? until : -std::numeric_limits<double>::infinity();
   const bool counts = pull.velocity > weights.velocity_tolerance() ||
                       pull.distance > weights.displacement_tolerance() || pull.of_body > weights.velocity_tolerance() ||
                       pull.way_of_body > weights.displacement_tolerance() ||
                       (impedance > 0.0 && Bernstein::through(against).first_descent(-noticed(i, h)));
-  if (!counts) return std::nullopt;
-  pull.velocity -= gained;
-  return s;
+  if (counts) pull.velocity -= gained;
+  return counts;
 }
 
 // (h/E) times the pull that opens a node with mass at once, which has an effect. On a fine mesh the error of a step

@@ -132,6 +132,7 @@ class EventSearch {
     double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
     double of_body = 0.0, way_of_body = 0.0;
   };
+  bool counts(std::size_t i, double from, double until, Pull& pull);
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }

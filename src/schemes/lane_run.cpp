@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "schemes/lane_scheme.hpp"
 
@@ -230,10 +231,26 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
   };
   while (told < outputs.times.size() && outputs.times[told] <= 0.0) tell_start();
 
+  std::array<Lanes, 2> sum{}, u_last, u_here = u_start;
+  std::array<Lanes, 2> held{};  // for so many steps
+  const auto ways = [&](double theta) {
+    std::array<Lanes, 2> all;
+    for (const bool right : {false, true})
+      all[right] = sum[right] + theta * (u_last[right] + 0.5 * theta * (u_here[right] - u_last[right]));
+    return all;
+  };
   for (std::size_t step = 1;; ++step) {
     const double t = static_cast<double>(step) * dt, before = static_cast<double>(step - 1) * dt;
     const double whole = step < steps ? 1.0 : std::min((how.end - before) / dt, 1.0);
     account(step == 1, whole, accounts);
+    for (const bool right : {false, true}) {
+      if (step > 1) sum[right] += 0.5 * (u_last[right] + u_here[right]);
+      u_last[right] = std::exchange(u_here[right], u_[node(right)]);
+      if (!pattern_.contact[right] || !pattern_.mounted[right]) continue;
+      where(active_[right] == 0.0 && held[right] > 0.0 && held[right] <= 2.0 && mass_[right] > 0.0, accounts.brief) =
+          1.0;
+      held[right] = active_[right] * (held[right] + 1.0);
+    }
     const bool tells = due(step, t);
     const bool fields =
         outputs.fields && told < outputs.times.size() && (outputs.times[told] <= t + dt || step + 1 >= steps);
@@ -246,7 +263,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
           u[right] = u_[node(right)] - (1.0 - theta) * dt * p;
           v[right] = p + 0.5 * (theta * end_x_[right] - (1.0 - theta) * end_x_before_[right]);
         }
-        outputs.sample(told++, {u, v, reactions(theta)});
+        outputs.sample(told++, {u, v, reactions(theta), ways(theta)});
       }
     };
     if (tells && !outputs.fields) sample_ends();
@@ -262,7 +279,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
           u[i] = u_now[i] - (1.0 - theta) * dt * p_now[i];
           v[i] = p_now[i] + 0.5 * (theta * x_[i] - (1.0 - theta) * x_before_[i]);
         }
-        outputs.sample(told++, {u, v, reactions(theta)});
+        outputs.sample(told++, {u, v, reactions(theta), ways(theta)});
       }
     }
     if (step == steps) break;

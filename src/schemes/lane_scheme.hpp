@@ -58,11 +58,13 @@ struct Member {
 struct LaneSample {
   std::span<const Lanes> u, v;
   std::array<Lanes, 2> reaction;  ///< of the obstacles at the ends, in the direction of u
+  std::array<Lanes, 2> way{};     ///< int u dt / step of both ends, by trapezia
 };
 
 /// Accounts of a run of bars in lanes.
 struct LaneAccounts {
   std::array<Lanes, 2> impulse{}, peak{};
+  Lanes brief = 0.0;                                    ///< 1 where an end with a mass was held for two steps or less
   std::array<std::vector<double>, lane_count> changes;  ///< times of contact changes
   std::array<bool, lane_count> finite{};
 };

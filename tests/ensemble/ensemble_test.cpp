@@ -48,7 +48,7 @@ TEST(Ensemble, IsTheSameBitForBitInAnyBatchAndOnAnyNumberOfThreads) {
   for (std::size_t i = 0; i < of_part.bars; ++i) expect_same(of_part, i, one, one.bars - 1 - i);
 }
 
-// The truth is the same semi-discrete bar by rigid at 1e-10. Of 10,000 bars 1.4 % lie above their estimate, 0.3 % above
+// The truth is the same semi-discrete bar by rigid at 1e-10. Of 10,000 bars 1 % lie above their estimate, 2 above
 // three times it (measure_ensemble errors 100 5).
 TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {
   std::mt19937_64 random(21);
@@ -74,6 +74,75 @@ TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {
   }
   EXPECT_EQ(compared, 240u);
   EXPECT_LE(far_above, 4u);
+}
+
+// An end mass that strikes in tension is pulled off at once, which (2.8) tells to order 1 by the phase of its step, and
+// a node that rebounds comes two steps late: neither is told side by side. Of 1,600 bars with end masses 2 have errors
+// above three times their estimates, of 2,000 with restitution 15 (measure_ensemble errors 20 5 KIND).
+TEST(Ensemble, EndMassesThatArePulledOffAndReboundsGoAloneWithinTheirEstimates) {
+  for (const char* more : {"", "[contact]\nrestitution=0.6\n"}) {
+    TextEnsemble made{std::string("[bar]\nlength=1\nviscosity=0.01\n[left]\nkind=\"obstacle\"\ngap=0.1\nmass=0.35\n"
+                                  "[initial]\nvelocity=\"-cos(pi*x)\"\n[mesh]\nelements=20\nmass=\"fourth_order\"\n"
+                                  "[time]\nend=1.5\n") +
+                          more,
+                      {"left.gap"},
+                      {{}}};
+    for (int i = 0; i < 20; ++i) made.values[0].push_back(0.34 + 0.0013 * i);
+    EnsembleStudy study = made.study();
+    study.outputs = {"u_left@0.01"};
+    study.error = 1e-3;
+    const EnsembleResult found = ensemble(study);
+    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
+    EnsembleStudy exact = rigid.study();
+    exact.outputs = study.outputs;
+    const EnsembleResult truth = ensemble(exact);
+    EXPECT_GT(std::ranges::count(found.ways, BarWay::alone), 5) << more;
+    for (std::size_t i = 0; i < found.bars; ++i) {
+      EXPECT_EQ(found.status[i], BarStatus::kept);
+      EXPECT_LE(error_of(found, truth, i, 1), 3.0 * found.error[i]) << more << made.values[0][i];
+    }
+  }
+}
+
+// A contact that changes just before the end may do so behind it in another run.
+TEST(Ensemble, AContactTimeJustBeforeTheEndIsWrongByNoMoreThanItsEstimate) {
+  TextEnsemble made{
+      "[bar]\nlength = 1.0\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+      "-1.0\n[time]\nend = 2.0\n[mesh]\nelements = 10\n",
+      {"left.gap"},
+      {{}}};
+  for (int i = 0; i < 20; ++i) made.values[0].push_back(1.98 + 0.001 * i);
+  EnsembleStudy study = made.study();
+  study.outputs = {"events:2"};
+  study.error = 1e-2;
+  const EnsembleResult found = ensemble(study);
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    EXPECT_EQ(found.ways[i], BarWay::lanes);
+    const double told = std::isnan(found.values[0][2 * i]) ? 2.0 : found.values[0][2 * i];
+    EXPECT_LE(std::abs(told - made.values[0][i]) / 2.0, found.error[i]) << made.values[0][i];
+  }
+}
+
+// The end lies on its obstacle at all of the times that runs are compared at, but for its way there.
+TEST(Ensemble, AWayBetweenTheTimesThatAreComparedHasAnError) {
+  TextEnsemble made{
+      "[bar]\nlength = 1.0\nviscosity = 0.5\n[left]\nkind = \"obstacle\"\ngap = 0.04\n[right]\nkind = \"fixed\"\n"
+      "[initial]\nvelocity = \"-cos(pi*x/2)\"\n[load]\ndensity = -0.5\n[time]\nend = 3.75\n[mesh]\nelements = "
+      "36\nmass = \"redistributed\"\n",
+      {"left.gap"},
+      {{0.035, 0.04, 0.045}}};
+  EnsembleStudy study = made.study();
+  study.outputs = {"u_left@0.029296875"};
+  study.error = 1e-3;
+  const EnsembleResult found = ensemble(study);
+  const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
+  EnsembleStudy exact = rigid.study();
+  exact.outputs = study.outputs;
+  const EnsembleResult truth = ensemble(exact);
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    EXPECT_EQ(found.ways[i], BarWay::lanes);
+    EXPECT_LE(error_of(found, truth, i, 1), found.error[i]) << made.values[0][i];
+  }
 }
 
 // In free flight at speed 1 the touch is at t = gap, and both step sizes may put it at the same time.

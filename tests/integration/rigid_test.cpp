@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -244,6 +245,19 @@ every = 6.0
   const Recording trace = record(shaken);
   EXPECT_EQ(std::ranges::count(trace.events, Change::closing, &Event::change), 3);
   EXPECT_NEAR(trace.statistics.energy->balance_error(), 0.0, 200 * 1e-6 * trace.statistics.energy->work);
+}
+
+// In one step the reaction pulls from t = 1.2 on and pushes again before the end of the step, more than it has pulled.
+TEST(Rigid, APullThatTurnsWithinALongStepOpensTheContact) {
+  Scene scene = under_load(0.1, 0.02, 0.0, -0.5);
+  scene.right = Fixed{};
+  scene.velocity = [](double x) { return -std::cos(std::numbers::pi * x / 2.0); };
+  for (const double tolerance : {1e-2, 1e-3, tight.relative}) {
+    SCOPED_TRACE(tolerance);
+    const RunTrace trace = run(scene, 20, std::vector{0.0, 4.0}, {tolerance, 1e-3 * tolerance});
+    ASSERT_EQ(trace.events.size(), 3u);
+    EXPECT_NEAR(trace.events[1].time, 1.2, 0.05);
+  }
 }
 
 // A step as long as the run would leave its matrix no digit of the inertia; one of 1e6 ways of a wave does.

@@ -46,11 +46,13 @@ struct BarValues {
   /// By the numbers of EnsembleOutput::account.
   void accounts(const Layout& layout, std::span<const double> impulse, std::span<const double> peak);
 
-  std::vector<double> values;                        // layout.width
-  std::array<std::array<double, probes>, 2> ends{};  // u at times j period, j from 1 on
+  std::vector<double> values;                         // layout.width
+  std::array<std::array<double, probes>, 2> ends{};   // u at times j period, j from 1 on
+  std::array<std::array<double, probes>, 2> means{};  // of u up to each of these times from the one before, in lanes
   std::vector<double> changes;
   std::array<double, 2> impulse{};
   double largest = 0.0;                  // |u| of probes and start
+  bool brief = false;                    // see LaneAccounts
   std::vector<double> joints, impulses;  // of a chain: u of both sides of its joints at the same times; of joints
 };
 

@@ -31,6 +31,7 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
   const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
+  if (shared_.error && shared_.rigid_beside && strikes_anew(own.member)) return alone_(bar);
   if (shared_.error && shared_.rigid_beside &&
       4.0 * static_cast<double>(steps_at(level)) > crossing * ways(own.member.bar))
     return alone_(bar);
@@ -71,6 +72,14 @@ std::size_t LaneLevels::level_of(double steps) const {
 std::size_t LaneLevels::first_level(const Bar& bar) const {
   const double of_elements = ways(bar) * static_cast<double>(shared_.elements);
   return std::min(level_of(of_elements * share_of_steps / std::sqrt(*shared_.error)), most_level - 4);
+}
+
+// A node that rebounds does so two steps late, and one with a mass that is pulled off as it strikes is back within a
+// step or two: no run side by side tells these contact changes.
+bool LaneLevels::strikes_anew(const Member& bar) const {
+  const Pattern& pattern = *members_.pattern();
+  const bool weighted = (pattern.contact[0] && bar.mass[0] > 0.0) || (pattern.contact[1] && bar.mass[1] > 0.0);
+  return bar.restitution > 0.0 || (layout_.most_changes > 0 && weighted);
 }
 
 void LaneLevels::run() {
@@ -115,19 +124,21 @@ void LaneLevels::judge(Waiting bar, std::size_t lane_of, std::unique_ptr<BarValu
   const double now = difference(layout_, *bar.coarse, *fine, shared_.end);
   const double ratio = static_cast<double>(steps_at(level)) / static_cast<double>(steps_at(bar.coarse_level));
   const double second = now / (ratio * ratio - 1.0), first = now / (ratio - 1.0);
-  const bool by_changes = layout_.most_changes > 0;  // they are at ends of steps
+  // Contact changes are at ends of steps, and a node that rebounds does so two steps late.
+  const bool of_order_1 = layout_.most_changes > 0 || bar.own.member.restitution > 0.0;
   const double expected = bar.error ? *bar.error / (ratio * ratio) : 0.0;
-  const bool of_order_2 = bar.error && !by_changes && second <= fits * expected;
+  const bool of_order_2 = bar.error && !of_order_1 && second <= fits * expected;
   // Both may put a change at the end of one and the same step, which tells no time better than to a step.
   const double resolution = fine->changes.empty() ? 0.0 : step_at(level) / shared_.end;
   const double found = std::max({safety * (of_order_2 ? second : first), expected, resolution, rounding});
   const bool kept = found <= *shared_.error && meets_outputs(level);
   if (kept || level == most_level) {
-    if (!kept && shared_.rigid_beside) return alone_(bar.bar);
+    // An end mass that is pulled off as it strikes leaves with a velocity of order 1, by the phase of the step.
+    if ((!kept || fine->brief) && shared_.rigid_beside) return alone_(bar.bar);
     return told(bar.bar, lane_of, std::move(fine), found, level);
   }
   const double more =
-      by_changes ? std::max(safety * first, resolution) / *shared_.error : std::sqrt(safety * second / *shared_.error);
+      of_order_1 ? std::max(safety * first, resolution) / *shared_.error : std::sqrt(safety * second / *shared_.error);
   const double steps = std::clamp(margin * more, 1.4, 64.0) * static_cast<double>(steps_at(level));
   if (steps > crossing * ways(bar.own.member.bar) && shared_.rigid_beside) return alone_(bar.bar);
   std::size_t next = std::max(level_of(steps), level + 1);
@@ -150,7 +161,8 @@ void LaneLevels::look(std::span<const Waiting> pack, const LaneSample& at) {
   for (; next_look_ < layout_.looks.size() && layout_.looks[next_look_].time == time; ++next_look_) {
     const auto [when, i, k] = layout_.looks[next_look_];
     if (i == Layout::Look::probe) {
-      if (k < BarValues::probes) ends_[0][k] = u[0], ends_[1][k] = u[1];
+      for (const bool right : {false, true})
+        if (k < BarValues::probes) ends_[right][k] = u[right], ways_[right][k] = at.way[right];
       largest_ = larger(largest_, larger(abs(u[0]), abs(u[1])));
       continue;
     }
@@ -199,10 +211,15 @@ std::vector<std::unique_ptr<BarValues>> LaneLevels::run_pack(std::span<const Wai
     values[l] = std::make_unique<BarValues>();
     BarValues& one = *values[l];
     for (const bool right : {false, true}) {
-      for (std::size_t k = 0; k < BarValues::probes; ++k) one.ends[right][k] = lane(ends_[right][k], l);
+      double before = 0.0;
+      for (std::size_t k = 0; k < BarValues::probes; ++k) {
+        one.ends[right][k] = lane(ends_[right][k], l);
+        const double way = lane(ways_[right][k], l) / static_cast<double>(multiple(level));
+        one.means[right][k] = way - std::exchange(before, way);
+      }
       one.impulse[right] = lane(accounts_.impulse[right], l);
     }
-    one.changes = accounts_.changes[l], one.largest = lane(largest_, l);
+    one.changes = accounts_.changes[l], one.largest = lane(largest_, l), one.brief = lane(accounts_.brief, l) > 0.0;
   }
   return values;
 }

@@ -54,6 +54,7 @@ class LaneLevels {
   double ways(const Bar& bar) const;  // that a wave takes through it until the end
   std::size_t level_of(double steps) const;
   std::size_t first_level(const Bar& bar) const;
+  bool strikes_anew(const Member& bar) const;
   std::vector<std::unique_ptr<BarValues>> run_pack(std::span<const Waiting> pack, std::size_t level);
   void look(std::span<const Waiting> pack, const LaneSample& at);
   void told(std::size_t bar, std::size_t lane, std::unique_ptr<BarValues> values, double error, std::size_t level);
@@ -70,7 +71,7 @@ class LaneLevels {
 
   // The values of the bars of the pack that ran last, and what tells their error.
   std::vector<Lanes> values_;
-  std::array<std::array<Lanes, BarValues::probes>, 2> ends_{};
+  std::array<std::array<Lanes, BarValues::probes>, 2> ends_{}, ways_{};  // of LaneSample
   Lanes largest_;
   LaneAccounts accounts_;
   std::size_t next_look_ = 0;
