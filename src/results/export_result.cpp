@@ -156,7 +156,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   make_directories(target);
   FileSet set(target, "export");
   for (std::size_t k = 0; k < files.size(); ++k) look_at(stop), writers[k](set.folder() / files[k].filename());
-  // Of an earlier export of another result, by its first line.
+  // Tables of an earlier export, of another result, are known by their first lines.
   for (const auto& [table, beginning] : {std::pair{"u.csv", "t,0"},
                                          {"v.csv", "t,0"},
                                          {"stress.csv", "t,0"},
