@@ -51,7 +51,7 @@ TEST_F(Messages, ALogThatIsNotCompleteSaysSo) {
   for (const char* command : {"run scene.toml -q", "check scene.toml", "info scene.out"}) {
     const auto ended = viscobar(std::string(command) + " --log /dev/full");
     EXPECT_EQ(ended.code, 0);
-    EXPECT_EQ(ended.error, "viscobar: --log: lines of the log could not be written; it is not complete\n") << command;
+    EXPECT_TRUE(has(ended.error, "--log: lines of the log could not be written; it is not complete")) << ended.error;
   }
 }
 
