@@ -177,14 +177,21 @@ void check_grading(const Setup& setup, Findings& findings) {
         towards_nothing(fmt::format("bar.{}.grading", m + 1));
 }
 
+/// Values of a formula have the bounds of a number, within which products of a few are numbers. True if it is outside.
+bool report_area(const std::string& key, double area, double x, Findings& findings) {
+  if (area >= 1e-100 && area <= 1e100) return false;
+  findings.report(key, "must be {}, is {} at x = {}",
+                  std::isfinite(area) && area > 0.0 ? "from 1e-100 to 1e+100" : "finite and positive", printable(area),
+                  x);
+  return true;
+}
+
 void check_section(const Case& run, Findings& findings) {
   if (!run.scene.section || !findings.sound({"bar.length", "bar.section", "mesh.elements", "mesh.grading"})) return;
   const Mesh mesh = run.mesh();
   for (std::size_t k = 0; k <= 2 * mesh.elements; ++k) {
     const double x = k % 2 == 0 ? mesh.node(k / 2) : 0.5 * (mesh.node(k / 2) + mesh.node(k / 2 + 1));
-    const double area = run.scene.section(x);
-    if (!(std::isfinite(area) && area > 0.0))
-      return findings.report("bar.section", "must be finite and positive, is {} at x = {}", printable(area), x);
+    if (report_area("bar.section", run.scene.section(x), x, findings)) return;
   }
 }
 
@@ -201,11 +208,8 @@ void check_members(const Case& run, Findings& findings) {
         if (const double value = velocity ? member.velocity(x) : member.displacement(x); !std::isfinite(value))
           findings.report(key(velocity ? "velocity" : "displacement"), "is {} at x = {}", printable(value), x);
     for (int k = 0; k <= 200 && member.section; ++k)
-      if (const double x = member.bar.length * k / 200.0, area = member.section(x);
-          !(std::isfinite(area) && area > 0.0)) {
-        findings.report(key("section"), "must be finite and positive, is {} at x = {}", printable(area), x);
+      if (const double x = member.bar.length * k / 200.0; report_area(key("section"), member.section(x), x, findings))
         break;
-      }
     if (m + 1 == chain.size()) break;
     const Joint& joint = member.joint;
     const double apart = chain[m + 1].displacement(0.0) - member.displacement(member.bar.length);

@@ -241,6 +241,11 @@ void check_series(SceneEntries& entries, const Case& run) {
                      "has values from {0} = {1} to {2}, and the {3} from 0 to {4}; outside = \"hold\" goes on with the "
                      "first and the last value, \"zero\" with 0",
                      key.variables, series->first(), series->last(), in_time ? "run goes" : "bar is", last);
+    else if (constexpr double far = 100.0; in_time && series->last() > far * last)  // as of data of a fit
+      entries.report(key.name,
+                     "has values up to t = {:.6g}, and the run ends at {:.6g}: are they in different units, such as "
+                     "milliseconds and seconds? If they are not, outside = \"hold\" takes the beginning",
+                     series->last(), last);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "report/page.hpp"
 #include "report/run/run_page.hpp"
 #include "results/checkpoint_file.hpp"
+#include "results/file_set.hpp"
 #include "results/growing_files.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
@@ -111,12 +112,16 @@ class RecordedRun {
 
   // Until the new files take their places, those of an earlier run that was stopped can be resumed.
   void begin() {
-    files_.emplace(place_, scene_, last_.motion ? &last_.files : nullptr);
+    if (!last_.motion) files_.emplace(place_, scene_, nullptr);
+    const std::vector<std::string> figures = replaced_figures(place_ / "summary.json", {});
     // A run that is killed leaves this one, and no report of an earlier run beside its own files.
     outcome().ending = Ending::interrupted;
     outcome().error = "the run is going on, or was killed";
     write_summary();
     outcome() = {};
+    // From here on files that an earlier summary tells of may change.
+    for (const std::string& name : figures) remove_file(place_ / name);
+    if (last_.motion) files_.emplace(place_, scene_, &last_.files);
     for (const char* old : {"report.html", ResultDirectory::final_summary}) remove_file(place_ / old);
     // Those of the run before that this one does not write.
     for (std::size_t k = 0; k < files_->tables.size(); ++k)
@@ -124,10 +129,10 @@ class RecordedRun {
     for (const char* old : {"field.h5", "field.xdmf"})
       if (!files_->field) remove_file(place_ / old);
     if (!last_.motion) {
-      remove_checkpoints(place_);
+      // It may be what this run was resumed from: there is always one.
+      last_.schedule ? write_checkpoint(place_, last_) : remove_checkpoints(place_);
       files_->take_places();
       if (!scene_.run.warning.empty()) warn(scene_.run.warning);
-      if (last_.schedule) write_checkpoint(place_, last_);
       return;
     }
     ArchiveReader archive(last_.collected);

@@ -87,13 +87,16 @@ void export_xdmf(const FieldReader& field, const fs::path& target, const Asked& 
   write_atomically(target / "field.xdmf", text.append(xdmf::closing_tags));
 }
 
+bool begins_as(const fs::path& file, std::string_view beginning) {
+  std::string begin(beginning.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == beginning;
+}
+
 /// A file is replaced where it begins as an earlier export does. @throws std::invalid_argument
 void check_target(const fs::path& target, std::string_view beginning) {
-  if (!fs::is_regular_file(target)) return;  // OutputFile refuses what is none
-  std::string begin(beginning.size(), '\0');
-  std::ifstream stream(target, std::ios::binary);
-  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  if (stream.gcount() > 0 && begin != beginning)
+  // OutputFile refuses a name that is none of a file.
+  if (fs::is_regular_file(target) && fs::file_size(target) > 0 && !begins_as(target, beginning))
     throw std::invalid_argument(fmt::format(
         "{} is not an earlier export of a result; nothing was changed, choose another place", target.string()));
 }
@@ -118,6 +121,9 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
         fmt::format("{} holds no result of `viscobar run` with numbers to export (no field.h5, ends.csv or energy.csv)",
                     result.string()));
   const bool in_place = fs::exists(target) && fs::equivalent(result, target);
+  if (!in_place && fs::exists(target / "summary.json"))
+    throw std::invalid_argument(
+        fmt::format("{} holds another result; nothing was changed, choose another directory", target.string()));
   if (format == ExportFormat::xdmf) {
     if (!field) throw std::invalid_argument(fmt::format("{} has no field.h5 to export", result.string()));
     if (in_place)
@@ -150,6 +156,16 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
   make_directories(target);
   FileSet set(target, "export");
   for (std::size_t k = 0; k < files.size(); ++k) look_at(stop), writers[k](set.folder() / files[k].filename());
+  // Tables of an earlier export, of another result, are known by their first lines.
+  for (const auto& [table, beginning] : {std::pair{"u.csv", "t,0"},
+                                         {"v.csv", "t,0"},
+                                         {"stress.csv", "t,0"},
+                                         {"ends.csv", "t,u_left,"},
+                                         {"energy.csv", "t,kinetic,"},
+                                         {"gauges.csv", "t,u@"},
+                                         {"joints.csv", "t,u_left:"}})
+    if (!in_place && std::ranges::find(files, target / table) == files.end() && begins_as(target / table, beginning))
+      set.drop(table);
   set.take_places();
   return files;
 }

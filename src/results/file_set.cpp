@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "results/output_file.hpp"
 #include "viscobar/results/io_error.hpp"
@@ -58,6 +57,10 @@ void FileSet::write(const std::string& name, std::string_view text) const {
 }
 
 void FileSet::take_places() {
+  for (const fs::path& file : files_to_move(part_))
+    if (file.extension() == ".json")
+      for (const std::string& name : replaced_figures(directory_ / file.filename(), files_of(file_content(file))))
+        drop(name);
   for (const fs::path& file : files_to_move(part_)) {
     const fs::path place = directory_ / file.lexically_relative(part_);
     check_replaceable(place);
@@ -73,9 +76,14 @@ void FileSet::settle(const fs::path& directory, const std::string& name) {
   if (!fs::is_directory(fs::symlink_status(whole))) return;
   try {
     for (const fs::path& file : files_to_move(whole)) {
-      const fs::path place = directory / file.lexically_relative(whole);
+      fs::path place = directory / file.lexically_relative(whole);
       make_directories(place.parent_path());
-      move_file(file, place);
+      if (place.extension() == dropped) {
+        remove_file(place.replace_extension());
+        remove_file(file);
+      } else {
+        move_file(file, place);
+      }
     }
   } catch (const IoError& error) {
     throw IoError(whole, std::string(error.what()) +
@@ -84,6 +92,16 @@ void FileSet::settle(const fs::path& directory, const std::string& name) {
   }
   remove_folder(whole);
   sync_directory(directory);
+}
+
+std::vector<std::string> replaced_figures(const fs::path& summary, const FileChecksums& by) {
+  std::vector<std::string> names;
+  if (!fs::is_regular_file(summary)) return names;
+  const std::string text = file_content(summary);
+  if (seal_of(text) != Seal::sound) return names;
+  for (const auto& [name, checksum] : files_of(text))
+    if (fs::path(name).parent_path() == "figures" && !by.contains(name)) names.push_back(name);
+  return names;
 }
 
 }  // namespace viscobar

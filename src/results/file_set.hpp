@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "input/seal.hpp"
 
 namespace viscobar {
 
@@ -13,7 +16,8 @@ namespace viscobar {
 ///     DIR/.viscobar.NAME.whole   all of them, on the disk, on their way to their places; settle() ends what a kill
 ///     left
 ///
-/// JSON files, which tell of the others, take their places last. @throws IoError
+/// JSON files, which tell of the others, take their places last. Pictures of the one that is replaced go, but for those
+/// that the new one names. @throws IoError
 class FileSet {
  public:
   FileSet(std::filesystem::path directory, const std::string& name);
@@ -25,6 +29,8 @@ class FileSet {
   /// The folder to write the files in; their names may have a folder of their own.
   const std::filesystem::path& folder() const { return part_; }
   void write(const std::string& name, std::string_view text) const;
+  /// Has a file in the directory removed as the others take their places.
+  void drop(const std::string& name) const { write(name + dropped, {}); }
   void take_places();
 
   /// Moves what a kill has left on its way; does nothing where there is none.
@@ -33,8 +39,12 @@ class FileSet {
   static bool is_folder(std::string_view name) { return name.starts_with(".viscobar.") && name != ".viscobar.lock"; }
 
  private:
+  static constexpr const char* dropped = ".dropped";
   std::filesystem::path directory_, part_;
   std::string name_;
 };
+
+/// Pictures that a summary tells of, by their names in its directory, and that are not among the new files.
+std::vector<std::string> replaced_figures(const std::filesystem::path& summary, const FileChecksums& by);
 
 }  // namespace viscobar

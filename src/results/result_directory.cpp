@@ -15,6 +15,7 @@
 #include "results/file_set.hpp"
 #include "results/json.hpp"
 #include "results/output_file.hpp"
+#include "results/result_info.hpp"
 #include "viscobar/results/io_error.hpp"
 
 namespace viscobar {
@@ -161,8 +162,13 @@ void take_places(const fs::path& directory) {
   const fs::path from = directory / finished;
   if (type(from) != fs::file_type::directory) return;
   if (type(from / ResultDirectory::final_summary) == fs::file_type::regular) {
+    const FileChecksums written = files_of(regular_content(from / ResultDirectory::final_summary));
     // First the one that says the run is going on: nothing may be called completed meanwhile.
-    if (fs::exists(from / "summary.json")) move_file(from / "summary.json", directory / "summary.json");
+    if (fs::exists(from / "summary.json")) {
+      for (const std::string& name : replaced_figures(directory / "summary.json", written))
+        remove_file(directory / name);
+      move_file(from / "summary.json", directory / "summary.json");
+    }
     for (const std::string_view name : files_of_kind(ResultKind::run).others) {
       if (!fs::exists(from / name)) continue;
       if (name.starts_with("checkpoint"))
@@ -177,7 +183,6 @@ void take_places(const fs::path& directory) {
       fs::remove(from / "figures");
     }
     // Files of the earlier result that the later run did not write.
-    const FileChecksums written = files_of(regular_content(from / ResultDirectory::final_summary));
     for (const std::string_view name : files_of_kind(ResultKind::run).others)
       if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
           type(directory / name) == fs::file_type::regular)
@@ -263,6 +268,7 @@ void settle_result_directory(const fs::path& directory) {
 bool clear_whole_run(const fs::path& directory) {
   settle_result_directory(directory);
   if (!holds_whole_run(directory) || fs::exists(directory / unfinished) || !has_checkpoint(directory)) return false;
+  check_sound(directory, "removed");
   const DirectoryLock lock(directory);
   remove_checkpoints(directory);
   return true;

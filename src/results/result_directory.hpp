@@ -61,7 +61,7 @@ void settle_result_directory(const std::filesystem::path& directory);
 void check_run_files(const std::filesystem::path& place, const FileChecksums& written);
 
 /// Removes the checkpoints of a run that was killed when its result was whole but for that; whether there were any.
-/// @throws IoError when it is in use
+/// @throws IoError when it is in use, or not what was written
 bool clear_whole_run(const std::filesystem::path& directory);
 
 /// Where the run in a directory of results has its files that can be resumed: there, or in `unfinished` where there is

@@ -53,6 +53,26 @@ Statistics run_of(const Case& run) {
   return simulate(resolve(run), observers);
 }
 
+// Energies of such data are infinite, whichever of the data it is.
+TEST(Alarm, DataThatAreTooLargeForSquaresEndInAMessageByEveryMethod) {
+  const std::vector<std::pair<std::string, std::string>> huge[] = {
+      {{"load.density", "\"1e300*t\""}},
+      {{"initial.velocity", "-1e200"}},
+      {{"initial.velocity", "0"}, {"initial.displacement", "\"1e180*x^2\""}},
+      {{"left.force", "\"1e200*sin(t)\""}}};
+  for (const char* method : all_methods)
+    for (auto changes : huge) {
+      changes.emplace_back("method.name", std::string("\"") + method + "\"");
+      if (method == std::string("characteristics")) changes.emplace_back("bar.viscosity", "0.0");
+      const std::string text = falling_bar_with(changes);
+      try {
+        EXPECT_TRUE(overflow(run_of(parse_scene(text, "scene").run))) << text;
+      } catch (const IntegrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("too large"), std::string::npos) << error.what() << text;
+      }
+    }
+}
+
 // Squares of less than 1e-154 are 0, so energies, balances and error norms say nothing then; denormal data have no end.
 TEST(Alarm, DataThatAreTooSmallForSquaresEndInAMessageByEveryMethod) {
   const std::vector<std::pair<std::string, std::string>> tiny[] = {

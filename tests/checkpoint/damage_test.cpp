@@ -8,6 +8,7 @@
 #include <random>
 
 #include "checkpoint/process.hpp"
+#include "results/result_directory.hpp"
 #include "results/result_info.hpp"
 #include "results/summary.hpp"
 #include "support/scene_text.hpp"
@@ -300,6 +301,15 @@ TEST_F(Damage, OfARunBesideAWholeResultIsToldFromThatOfTheResult) {
   const auto names = names_in(scratch / "out");
   EXPECT_TRUE(std::ranges::none_of(names, [](const std::string& name) { return name.starts_with("unfinished"); }));
   for (const VerifiedFile& file : verify_result(scratch / "out")) EXPECT_EQ(file.state, FileState::sound) << file.name;
+}
+
+// Else the checkpoints of a stopped run would go as those of a whole one.
+TEST_F(Damage, OfASummaryThatIsAnotherRunsLosesNoCheckpoint) {
+  stop_in_the_middle(scratch / "out");
+  record_run(scene, scratch / "other");
+  fs::copy_file(scratch / "other/summary.json", scratch / "out/summary.json", fs::copy_options::overwrite_existing);
+  EXPECT_THROW(clear_whole_run(scratch / "out"), IoError);
+  EXPECT_EQ(state_of("checkpoint.bin", scratch / "out"), FileState::sound);
 }
 
 // The tests are a program of their own, with the same library.

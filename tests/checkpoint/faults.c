@@ -9,6 +9,7 @@
 //     close:N      the N-th closing of a file fails: input/output error
 //     rename:N     the N-th renaming of a file fails: input/output error
 //     fsync:N      the N-th syncing of a file fails: input/output error
+//     kill:N       SIGKILL at the N-th write, renaming, closing or syncing of a file
 //
 // VISCOBAR_FAULT_COUNT is a file to which the number of such calls is written at the end; with VISCOBAR_FAULT_TRACE an
 // allocation that fails says who asked for it.
@@ -16,6 +17,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -30,7 +32,7 @@ extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_memalign(size_t, size_t);
 
-enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC, ONE_WRITE, CLOSE };
+enum { NONE, MALLOC, WRITE, SHORT, RENAME, FSYNC, ONE_WRITE, CLOSE, KILL };
 static int kind = NONE;
 static long chosen = 0;
 static atomic_long calls = 0;
@@ -64,13 +66,18 @@ static int no_memory(void) {
 static int nth(int of) { return kind == of && atomic_fetch_add(&calls, 1) + 1 == chosen; }
 static int from_nth(int of) { return kind == of && atomic_fetch_add(&calls, 1) + 1 >= chosen; }
 
+static void may_be_killed(void) {
+  if (nth(KILL)) raise(SIGKILL);
+}
+
 static void arm(void) {
-  static const char* const names[] = {"", "malloc:", "write:", "short:", "rename:", "fsync:", "one-write:", "close:"};
+  static const char* const names[] = {
+      "", "malloc:", "write:", "short:", "rename:", "fsync:", "one-write:", "close:", "kill:"};
   const char* fault = getenv("VISCOBAR_FAULT");
   if (!fault) return;
   void* frame;
   backtrace(&frame, 1);  // allocates when first called
-  for (int k = MALLOC; k <= CLOSE; ++k) {
+  for (int k = MALLOC; k <= KILL; ++k) {
     if (strncmp(fault, names[k], strlen(names[k])) != 0) continue;
     chosen = atol(fault + strlen(names[k]));
     kind = k;
@@ -120,6 +127,7 @@ static int fails(int error) {
 // How much of a write gets through; 0 for none.
 static size_t taken(int file, size_t count) {
   if (file <= 2) return count;
+  may_be_killed();
   if (from_nth(WRITE) || nth(ONE_WRITE)) return 0;
   if (kind != SHORT || count < 2) return count;
   return count / 2 < 1024 ? count / 2 : 1024;
@@ -143,9 +151,11 @@ ssize_t pwrite64(int file, const void* data, size_t count, off64_t at) {
   return some || !count ? REAL(pwrite64, int, const void*, size_t, off64_t)(file, data, some, at) : fails(ENOSPC);
 }
 int rename(const char* from, const char* to) {
+  may_be_killed();
   return nth(RENAME) ? fails(EIO) : (int)REAL(rename, const char*, const char*)(from, to);
 }
 int close(int file) {
+  if (file > 2) may_be_killed();
   const int failing = file > 2 && nth(CLOSE), closed = (int)REAL(close, int)(file);
   return failing ? fails(EIO) : closed;
 }
@@ -154,4 +164,7 @@ void _Exit(int code) {
   ((void (*)(int))dlsym(RTLD_NEXT, "_Exit"))(code);
   abort();
 }
-int fsync(int file) { return nth(FSYNC) ? fails(EIO) : (int)REAL(fsync, int)(file); }
+int fsync(int file) {
+  may_be_killed();
+  return nth(FSYNC) ? fails(EIO) : (int)REAL(fsync, int)(file);
+}

@@ -52,6 +52,15 @@ class Faults : public testing::Test {
   std::size_t counted() const { return std::stoul(read_text(scratch / "count.txt")); }
   std::string err() const { return read_text(scratch / "err.txt"); }
 
+  /// Files of the result, by their names in its directory.
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(scratch / "out"))
+      if (entry.is_regular_file() && entry.path().filename() != ".viscobar.lock")
+        all[entry.path().lexically_relative(scratch / "out").string()] = read_text(entry.path());
+    return all;
+  }
+
   static std::vector<std::string> command(const std::string& method, const std::string& directory) {
     return {"run", "--no-estimate", "bouncing.toml", "--quiet", "--set", "method.name=" + method, "--checkpoint", "0.2",
             "-o",  directory};
@@ -174,13 +183,6 @@ TEST_F(Faults, StudiesAndExportsReplaceAllOfTheirFilesOrNone) {
       {"export", "run", "-o", "out"},
       {"export", "run", "--format", "xdmf", "-o", "out"}};
   ASSERT_EQ(run({"run", "short.toml", "--quiet", "-o", "run"}, ""), 0) << err();
-  const auto files = [&] {
-    std::map<std::string, std::string> all;
-    for (const auto& entry : fs::recursive_directory_iterator(scratch / "out"))
-      if (entry.is_regular_file() && entry.path().filename() != ".viscobar.lock")
-        all[entry.path().lexically_relative(scratch / "out").string()] = read_text(entry.path());
-    return all;
-  };
   for (const auto& command : commands)
     for (const std::string what : {"one-write:", "write:", "rename:", "fsync:", "close:"}) {
       fs::remove_all(scratch / "out");
@@ -273,6 +275,81 @@ TEST_F(Faults, EveryCommandSurvivesAFaultOfEachKindAnywhere) {
     }
   }
   EXPECT_GT(failed, 10u);
+}
+
+// A kill anywhere leaves a sound result, and the same command then leaves its own files and no others: none of what was
+// there before, a run with pictures and gauges, a study with pictures, an export with gauges, a stopped run.
+TEST_F(Faults, AKillAnywhereLeavesTheOldResultOrTheNew) {
+  const auto write_scene = [&](const char* file, std::vector<std::pair<std::string, std::string>> changes) {
+    for (const auto& change : {std::pair{"time.end", "0.5"}, {"method.name", "\"cvode\""}, {"output.every", "0.1"}})
+      changes.emplace_back(change);
+    std::ofstream(scratch / file) << falling_bar_with(changes);
+  };
+  write_scene("short.toml", {});
+  write_scene("gauged.toml", {{"output.gauges", "[0.0, 0.25]"}});
+  const auto done = [&](std::vector<std::string> words, const std::string& directory, int code = 0) {
+    words.insert(words.end(), {"-q", "-o", directory});
+    ASSERT_EQ(run(words, ""), code) << words[0] << err();
+  };
+  done({"run", "gauged.toml", "--figures"}, "ran");
+  done({"run", "short.toml"}, "plain");
+  done({"run", "short.toml", "--figures", "--checkpoint", "0.1", "--wall-time", "1e-9s"}, "stopped", 130);
+  done({"run", "short.toml", "--figures", "--wall-time", "1e-9s"}, "halted", 130);  // behind its first step
+  done({"compare", "gauged.toml", "--methods", "cvode,ida", "--figures"}, "compared");
+  done({"export", "ran"}, "exported");
+  const struct {
+    std::string before;
+    std::vector<std::string> command;
+  } cases[] = {{"ran", {"run", "short.toml", "-q", "-o", "out"}},
+               {"stopped", {"run", "short.toml", "-q", "-o", "out"}},
+               {"stopped", {"resume", "out", "-q"}},
+               {"halted", {"resume", "out", "-q"}},
+               {"compared", {"compare", "short.toml", "--methods", "cvode,ida", "-q", "-o", "out"}},
+               {"exported", {"export", "plain", "-q", "-o", "out"}}};
+  for (const auto& [before, command] : cases) {
+    const auto begin = [&] {
+      fs::remove_all(scratch / "out");
+      fs::copy(scratch / before, scratch / "out", fs::copy_options::recursive);
+    };
+    begin();
+    ASSERT_EQ(run(command, "kill:1000000"), 0) << err();
+    const std::size_t calls = counted();
+    const auto whole = files();
+    for (const auto& [name, content] : whole)
+      EXPECT_FALSE(name.starts_with("figures") || name == "gauges.csv") << command[0] << name;
+    for (const std::size_t n : spread(6, calls, 12)) {
+      SCOPED_TRACE(command[0] + " kill:" + std::to_string(n));
+      begin();
+      ASSERT_EQ(run(command, "kill:" + std::to_string(n)), -SIGKILL);
+      if (command[0] != "export") {
+        EXPECT_NE(run({"info", "--verify", "out"}, ""), 1) << read_text(scratch / "out.txt");
+      }
+      const int code = run(command, "");
+      EXPECT_TRUE(code == 0 || (command[0] == "resume" && code == 2)) << err();  // 2: it was whole
+      const auto after = files();
+      EXPECT_EQ(after.size(), whole.size());
+      for (const auto& [name, content] : whole)
+        EXPECT_TRUE(after.contains(name) &&
+                    (!name.ends_with(".csv") || name == "compare.csv" || after.at(name) == content))
+            << name;
+    }
+  }
+}
+
+// A resumed run that fails before its own first checkpoint leaves the one that it went on from.
+TEST_F(Faults, AResumedRunThatCannotBeginCanBeResumed) {
+  std::vector<std::string> stop = command("cvode", "stopped");
+  stop.insert(stop.end(), {"--wall-time", "1e-9s"});
+  ASSERT_EQ(run(stop, ""), 130) << err();
+  for (const std::string what : {"fsync:", "rename:", "close:", "one-write:"})
+    for (std::size_t n = 1; n <= 12; ++n) {
+      SCOPED_TRACE(what + std::to_string(n));
+      fs::remove_all(scratch / "out");
+      fs::copy(scratch / "stopped", scratch / "out");
+      run({"resume", "out", "-q"}, what + std::to_string(n));
+      EXPECT_NE(run({"resume", "out", "-q"}, ""), 1) << err();
+      EXPECT_EQ(run({"info", "--verify", "out"}, ""), 0) << read_text(scratch / "out.txt");
+    }
 }
 
 // The first two calls are for the table itself; from the third on rows are brought to the disk before they are marked.

@@ -200,6 +200,13 @@ TEST_F(Directories, AnExportReplacesExportsOnlyAndFollowsNoLinks) {
   EXPECT_FALSE(fs::exists(directory_ / "ends.csv"));
   ASSERT_EQ(viscobar("export out --quiet").code, 0);
   const std::string field = read_text(directory_ / "out/field.h5"), exported = read_text(directory_ / "out/csv/u.csv");
+  ASSERT_EQ(viscobar("run chatter.toml --quiet -o other").code, 0);
+  for (const char* format : {"csv", "xdmf"}) {
+    const Ended onto = viscobar("export out -o other --format " + std::string(format));
+    EXPECT_EQ(onto.code, 2);
+    EXPECT_NE(onto.error.find("other holds another result; nothing was changed"), std::string::npos) << onto.error;
+  }
+  EXPECT_EQ(viscobar("info --verify other").code, 0);
   fs::remove(directory_ / "out/csv/u.csv");
   fs::create_symlink("../field.h5", directory_ / "out/csv/u.csv");
   EXPECT_EQ(viscobar("export out --quiet").code, 2) << "what the link points to is no export";

@@ -47,6 +47,14 @@ TEST_F(Messages, ALogThatCannotBeOpenedIsAFailureBeforeAnythingIsDone) {
   EXPECT_FALSE(testing_cli::fs::exists(directory_ / "scene.out"));
 }
 
+TEST_F(Messages, ALogThatIsNotCompleteSaysSo) {
+  for (const char* command : {"run scene.toml -q", "check scene.toml", "info scene.out"}) {
+    const auto ended = viscobar(std::string(command) + " --log /dev/full");
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_TRUE(has(ended.error, "--log: lines of the log could not be written; it is not complete")) << ended.error;
+  }
+}
+
 TEST_F(Messages, VerboseSaysMoreOnStandardErrorOnly) {
   const auto quiet = viscobar("run scene.toml --json"), verbose = viscobar("run scene.toml --json -v");
   EXPECT_TRUE(quiet.error.empty());

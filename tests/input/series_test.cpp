@@ -395,6 +395,9 @@ TEST_F(Records, AreRefusedWithWhatIsWrong) {
   expect("{ t = [0, 1], values = [1] }", "t has 2 numbers and values 1");
   expect("{ t = [1, 0], values = [1, 1] }", "must not decrease");
   expect("{ t = [0, 1], values = [1, 1] }", "has values from t = 0 to 1, and the run goes from 0 to 2; outside");
+  expect("{ t = [0, 100, 300], values = [0, 1, 1] }",
+         "has values up to t = 300, and the run ends at 2: are they in different units");
+  EXPECT_EQ(force("{ t = [0, 100, 300], values = [0, 1, 1], outside = \"hold\" }"), "");
   expect("{ t = [0, 1], values = [1, 1], outside = \"none\" }", "outside cannot be \"none\"");
   EXPECT_EQ(force("{ t = [0, 1], values = [1, 1], outside = \"hold\" }"), "");
   EXPECT_NE(refused(bar + "[left]\nkind = \"fixed\"\nmotion = { t = [0, 2], values = [0, 1], outside = \"zero\" }")

@@ -275,6 +275,13 @@ class StopsTest(Test):
         fitted = thrown(time__end=400.0, mesh__elements=4000)
         late, _ = self.interrupted(0.5, lambda: viscobar.fit(fitted, ["bar.viscosity"], data={"t": t, "u_left": -np.cos(t)}))
         self.assertLess(late, 2.0)
+        # Bars by the method of the scene, one at a time, and bars side by side.
+        fine, plain = thrown(time__end=400.0, mesh__elements=10_000), thrown(time__end=400.0)
+        del plain["method"], plain["contact"], plain["mesh"]["mass"]
+        for scene, bars, error in ((fine, 64, None), (plain, 60_000, 1e-3)):
+            varied = {"bar.viscosity": np.linspace(0.01, 1.0, bars)}
+            late, _ = self.interrupted(0.5, lambda: viscobar.ensemble(scene, varied, "final", error=error))
+            self.assertLess(late, 2.0)
         # In its timed runs, and in a reference, which may take twenty times as long.
         for after, end, seconds in ((0.5, 1e6, 60.0), (3.0, 400.0, 5.0)):
             study = lambda: viscobar.precision(

@@ -188,6 +188,8 @@ class StudiesTest(Test):
             self.assertEqual(ours.summary["runs"], theirs["runs"])
         with self.assertRaisesRegex(ValueError, "there are no data"):
             viscobar.fit(thrown(), ["bar.viscosity"])
+        alone = viscobar.fit(thrown(), "bar.viscosity", data=traces, **options)  # a text is one key, not its letters
+        self.assertEqual(alone.summary["parameters"], found.summary["parameters"])
 
     def test_arrays_are_told_by_the_names_of_their_tables(self):
         run = viscobar.run(thrown())
