@@ -1,8 +1,8 @@
 #include "viscobar/dynamics/bar_system.hpp"
 
 #include <cassert>
-#include <numeric>
 
+#include "discretisation/partial_sums.hpp"
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
 #include "dynamics/pieces.hpp"
@@ -17,36 +17,26 @@ std::vector<double> part_of(std::span<const double> entries, std::size_t first, 
   return {part.begin(), part.end()};
 }
 
-// Sum over the elements of (difference of the ends' values)^2 / h.
-double graded_squared_strain(std::span<const double> x, const double* left, const double* right,
-                             std::span<const double> inverse_spacing) {
-  double sum = 0.0;
-  const auto add = [&](std::size_t element, double difference) {
-    sum += difference * difference * inverse_spacing[element];
-  };
-  const std::size_t first = left ? 1 : 0;
-  for (std::size_t i = 0; i + 1 < x.size(); ++i) add(first + i, x[i + 1] - x[i]);
-  if (left) add(0, x.front() - *left);
-  if (right) add(inverse_spacing.size() - 1, *right - x.back());
+// Sum over the elements of weight(e) (difference of the ends' values)^2, the fixed neighbours being given.
+double squared_differences(std::span<const double> x, const double* left, const double* right, auto&& weight) {
+  const auto squared = [](double difference) { return difference * difference; };
+  const std::size_t inner = x.size() - 1, first = left ? 1 : 0;
+  const auto term = [&, u = x.data()](std::size_t i) { return squared(u[i + 1] - u[i]) * weight(first + i); };
+  double sum = partial_sums(inner, term);
+  if (left) sum += squared(x.front() - *left) * weight(0);
+  if (right) sum += squared(*right - x.back()) * weight(first + inner);
   return sum;
 }
 
-// Sum of the squared differences of neighbours, the fixed neighbours being given.
-double squared_differences(std::span<const double> x, const double* left, const double* right) {
-  // Partial sums, since one alone would wait for each addition.
-  constexpr std::size_t lanes = 16;
-  std::array<double, lanes> sums{};
-  std::size_t i = 0;
-  for (; i + lanes < x.size(); i += lanes)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const double difference = x[i + l + 1] - x[i + l];
-      sums[l] += difference * difference;
-    }
-  double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
-  for (; i + 1 < x.size(); ++i) sum += (x[i + 1] - x[i]) * (x[i + 1] - x[i]);
-  if (left) sum += (x.front() - *left) * (x.front() - *left);
-  if (right) sum += (*right - x.back()) * (*right - x.back());
-  return sum;
+// The difference of the stresses on either side of each node; `left` and `right` are those beyond the first and the
+// last one. Each stress is made twice, so that no node waits for another.
+void forces_between(double left, double right, std::span<double> out, auto&& stress) {
+  const std::size_t last = out.size() - 1;
+  double* const force = out.data();
+  force[0] = (last > 0 ? stress(0) : right) - left;
+#pragma GCC ivdep
+  for (std::size_t i = 1; i < last; ++i) force[i] = stress(i) - stress(i - 1);
+  if (last > 0) force[last] = right - stress(last - 1);
 }
 
 double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
@@ -290,52 +280,43 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
 
 void BarSystem::uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
   const std::size_t n = size();
-  const double stiffness = bar_.modulus / mesh_.spacing();
-  const double damping = bar_.viscosity / mesh_.spacing();
+  const double stiffness = bar_.modulus / mesh_.spacing(), damping = bar_.viscosity / mesh_.spacing();
   // Stress on the left of the first and on the right of the last unknown: none at an end that is not fixed.
   const double left = walls_[0] ? stiffness * (u[0] - *walls_[0]) + damping * w[0] : 0.0;
   const double right = walls_[1] ? stiffness * (*walls_[1] - u[n - 1]) - damping * w[n - 1] : 0.0;
-  if (n == 1) {
-    out[0] = right - left;
-    return;
-  }
-  const auto inner = [&](auto stress) {
-    out[0] = stress(0) - left;
-    for (std::size_t i = 1; i + 1 < n; ++i) out[i] = stress(i) - stress(i - 1);
-    out[n - 1] = right - stress(n - 2);
-  };
   if (damped())
-    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
+    forces_between(left, right, out,
+                   [=](std::size_t i) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
   else
-    inner([=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
+    forces_between(left, right, out, [=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
 }
 
 void BarSystem::graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  const std::size_t n = size(), first = first_node();
   const double modulus = bar_.modulus, viscosity = bar_.viscosity;
-  double before = walls_[0] ? inverse_spacing_[0] * (modulus * (u[0] - *walls_[0]) + viscosity * w[0]) : 0.0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double next = inverse_spacing_[first + i] * (modulus * (u[i + 1] - u[i]) + viscosity * (w[i + 1] - w[i]));
-    out[i] = next - before;
-    before = next;
-  }
-  const double right = walls_[1] ? modulus * (*walls_[1] - u[n - 1]) - viscosity * w[n - 1] : 0.0;
-  out[n - 1] = inverse_spacing_.back() * right - before;
+  const auto stress = [=, per_size = inverse_spacing_.data()](std::size_t e, double strain, double rate) {
+    return per_size[e] * (modulus * strain + viscosity * rate);
+  };
+  unlike_forces(u, w, out, stress);
 }
 
 // Where elasticity and viscosity differ from one element to the next.
 void BarSystem::unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  const std::size_t n = size(), first = first_node();
-  const auto stress = [&](std::size_t e, double strain, double rate) {
-    return bar_.modulus * inverse_spacing_[e] * strain + bar_.viscosity * inverse_rate_[e] * rate;
+  const auto stress = [modulus = bar_.modulus, viscosity = bar_.viscosity, elastic = inverse_spacing_.data(),
+                       viscous = inverse_rate_.data()](std::size_t e, double strain, double rate) {
+    return modulus * elastic[e] * strain + viscosity * viscous[e] * rate;
   };
-  double before = walls_[0] ? stress(0, u[0] - *walls_[0], w[0]) : 0.0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double next = stress(first + i, u[i + 1] - u[i], w[i + 1] - w[i]);
-    out[i] = next - before;
-    before = next;
-  }
-  out[n - 1] = (walls_[1] ? stress(mesh_.elements - 1, *walls_[1] - u[n - 1], -w[n - 1]) : 0.0) - before;
+  unlike_forces(u, w, out, stress);
+}
+
+// Forces by the stress(e, strain, rate) of each element.
+void BarSystem::unlike_forces(std::span<const double> u, std::span<const double> w, std::span<double> out,
+                              auto&& stress) const {
+  const std::size_t n = size();
+  const double left = walls_[0] ? stress(0, u[0] - *walls_[0], w[0]) : 0.0;
+  const double right = walls_[1] ? stress(mesh_.elements - 1, *walls_[1] - u[n - 1], -w[n - 1]) : 0.0;
+  forces_between(left, right, out, [stress, u = u.data(), w = w.data(), first = first_node()](std::size_t i) {
+    return stress(first + i, u[i + 1] - u[i], w[i + 1] - w[i]);
+  });
 }
 
 namespace {
@@ -408,16 +389,20 @@ void BarSystem::unlike_stiffness(double m, double c, double k, BandedMatrix& out
 }
 
 double BarSystem::squared_strain(std::span<const double> u) const {
-  const double *left = walls_[0] ? &*walls_[0] : nullptr, *right = walls_[1] ? &*walls_[1] : nullptr;
-  if (!rows_alike()) return graded_squared_strain(u, left, right, inverse_spacing_);
-  return squared_differences(u, left, right) / mesh_.spacing();
+  return squared_differences_of(u, {walls_[0] ? &*walls_[0] : nullptr, walls_[1] ? &*walls_[1] : nullptr},
+                                inverse_spacing_);
 }
 
 double BarSystem::squared_strain_rate(std::span<const double> w) const {
   const double still = 0.0;
-  const double *left = walls_[0] ? &still : nullptr, *right = walls_[1] ? &still : nullptr;
-  if (!rows_alike()) return graded_squared_strain(w, left, right, rate_weights());
-  return squared_differences(w, left, right) / mesh_.spacing();
+  return squared_differences_of(w, {walls_[0] ? &still : nullptr, walls_[1] ? &still : nullptr}, rate_weights());
+}
+
+double BarSystem::squared_differences_of(std::span<const double> x, std::array<const double*, 2> walls,
+                                         std::span<const double> weights) const {
+  if (rows_alike())
+    return squared_differences(x, walls[0], walls[1], [](std::size_t) { return 1.0; }) / mesh_.spacing();
+  return squared_differences(x, walls[0], walls[1], [of = weights.data()](std::size_t e) { return of[e]; });
 }
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {

@@ -20,7 +20,7 @@ class RowForces {
   }
   double of(std::size_t i) const {
     if (contacts_[i].joint == 0) return -force_[contacts_[i].unknown] + held_inertia_times(contacts_, i, acceleration_);
-    const JointRow row = joint_row(contacts_, i);
+    const JointRow row = holding_row(contacts_, i);
     return row.sign * (row.inertia_times(acceleration_) - force_[row.node]);
   }
 

@@ -1,8 +1,30 @@
 #include "dynamics/contact_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace viscobar {
+
+namespace {
+
+void add_supports(const BarSystem& bar, JointRow& row) {
+  for (const Support& support : bar.supports())
+    if (support.unknown == row.node) row.ground_stiffness += support.stiffness, row.ground_viscosity += support.dashpot;
+}
+
+// True if a node of contact i is a rigid body that nothing else holds, beyond which lies that element.
+bool is_free_body(const Contacts& contacts, std::size_t i, std::size_t node, std::size_t element) {
+  const BarSystem& bar = contacts.bar();
+  if (bar.is_element_of_bar(element)) return false;
+  if (element < bar.mesh().elements && std::isfinite(bar.stretch(element))) return false;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const bool has_node = contacts[k].unknown == node || (contacts[k].joint > 0 && contacts[k].unknown == node + 1);
+    if (k != i && contacts.closed(k) && has_node) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 JointRow joint_row(const Contacts& contacts, std::size_t i) {
   const BarSystem& bar = contacts.bar();
@@ -27,8 +49,7 @@ JointRow joint_row(const Contacts& contacts, std::size_t i) {
     }
   }
   row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar.bar().modulus / bar.stretch_at(b);
-  for (const Support& support : bar.supports())
-    if (support.unknown == node) row.ground_stiffness += support.stiffness, row.ground_viscosity += support.dashpot;
+  add_supports(bar, row);
   if (!of_bar) return row;
   const std::array<double, 3> one_sided = inertia.one_sided_entries(node, !to_right);
   for (std::size_t k = 0; k < 3; ++k) row.inertia[k] += one_sided[k];
@@ -45,6 +66,27 @@ JointRow joint_row(const Contacts& contacts, std::size_t i) {
   if (!beside)  // it is held
     row.ground_force -= weights[1] * side->stiffness(to_right ? right + 1 : right - 2) * *bar.wall(to_right);
   return row;
+}
+
+std::optional<JointRow> row_of_free_body(const Contacts& contacts, std::size_t i) {
+  const BarSystem& bar = contacts.bar();
+  const std::size_t b = contacts[i].unknown, right = b + bar.first_node();
+  std::optional<JointRow> lightest;
+  if (!contacts[i].has_body) return lightest;
+  for (const bool to_right : {true, false}) {
+    const std::size_t node = to_right ? b : b - 1;
+    const double mass = bar.inertia().diagonal[node];
+    if (!is_free_body(contacts, i, node, to_right ? right : right - 2)) continue;
+    if (lightest && lightest->inertia[0] <= mass) continue;
+    lightest = JointRow{.node = node,
+                        .next = node,
+                        .beyond = node,
+                        .sign = to_right ? 1.0 : -1.0,
+                        .scale = joint_row(contacts, i).scale,
+                        .inertia = {mass}};
+    add_supports(bar, *lightest);
+  }
+  return lightest;
 }
 
 std::array<double, 2> inertia_beside(const BandedMatrix& inertia, std::size_t end) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,15 @@ struct JointRow {
 };
 /// Where the contact is by_law it has b and a for nodes, and zeros.
 JointRow joint_row(const Contacts& contacts, std::size_t i);
+/// The row of the lighter rigid body at contact i, a joint, which nothing else holds now: no spring to another member,
+/// no closed contact; absent: both are held. N = m a + k_0 u + c_0 w - f_0 - (M f) is wrong there by what m a is, in
+/// the bar's row by (E / h) du + (eta / h) dw, which may be more than all that moves a light body.
+std::optional<JointRow> row_of_free_body(const Contacts& contacts, std::size_t i);
+/// The row that tells N of a closed contact best as the contacts are now: that of a free body, or else joint_row().
+inline JointRow holding_row(const Contacts& contacts, std::size_t i) {
+  const std::optional<JointRow> of_body = row_of_free_body(contacts, i);
+  return of_body ? *of_body : joint_row(contacts, i);
+}
 
 /// The unknown beside an end.
 inline std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }

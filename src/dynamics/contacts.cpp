@@ -12,19 +12,10 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-bool is_of_bar(const BarSystem& bar, const Contact& contact) {
+// How many of the two nodes of a joint are ends of bars.
+int bars_at(const BarSystem& bar, const Contact& contact) {
   const std::size_t right = contact.unknown + bar.first_node();
-  return bar.is_element_of_bar(right) || (right > 1 && bar.is_element_of_bar(right - 2));
-}
-
-double lightest_body(const BarSystem& bar, const Contact& contact) {
-  if (contact.joint == 0) return 0.0;
-  const std::size_t b = contact.unknown, right = b + bar.first_node();
-  double least = 0.0;
-  for (const auto& [unknown, element] : {std::pair{b, right}, {b - 1, right - 2}})
-    if (const double mass = bar.inertia().diagonal[unknown]; !bar.is_element_of_bar(element))
-      least = least > 0.0 ? std::min(least, mass) : mass;
-  return least;
+  return (bar.is_element_of_bar(right) ? 1 : 0) + (right > 1 && bar.is_element_of_bar(right - 2) ? 1 : 0);
 }
 
 ContactLaw law_of(const BarSystem& bar, const Contact& contact, const Penalty& penalty) {
@@ -48,7 +39,7 @@ Contacts::Contacts(const BarSystem& bar, const Penalty& penalty)
 }
 
 void Contacts::add(const Contact& contact, const Penalty& penalty) {
-  const bool rigid = penalty.epsilon == 0.0, of_bar = is_of_bar(bar_, contact);
+  const bool rigid = penalty.epsilon == 0.0, of_bar = bars_at(bar_, contact) > 0;
   if (rigid && contact.where == Where::span)
     throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
   const std::size_t i = nodes_.size(), node = contact.unknown;
@@ -64,7 +55,7 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   const Bar& bar = bar_.bar();
   one.restitution = penalty.restitution;
   one.relative_stiffness = law.stiffness * bar_.stretch_at(node) / bar.modulus;
-  one.lightest_body = lightest_body(bar_, contact);
+  one.has_body = contact.joint > 0 && bars_at(bar_, contact) < 2;
   one.moves = bar_.moves(contact);
   one.rigid = rigid, one.massless = massless, one.of_bar = of_bar, one.met = met, one.by_law = by_law;
   one.follows = massless && !bar_.damped(), one.changes_by_row = massless && bar_.damped();

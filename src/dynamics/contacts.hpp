@@ -19,8 +19,6 @@ struct ContactNode : Contact {
   double relative_stiffness = 0.0;  ///< kappa = k h / E
   /// omega = sqrt(k / m) of the node on its spring alone, m = rho M_ii; 0 without mass, where nothing oscillates.
   double rate = 0.0;
-  /// The smaller mass of rigid bodies alone that a contact at a joint has; 0 where both nodes are of bars.
-  double lightest_body = 0.0;
   /// Its obstacle moves in the frame: it does not act then, and is looked for by gap(t) alone.
   bool moves = false;
   bool rigid = false;     ///< epsilon = 0
@@ -28,6 +26,7 @@ struct ContactNode : Contact {
   bool follows = false;   ///< the node is where its neighbour puts it at once: without mass or viscosity
   bool collides = false;  ///< rigid, on a node with mass
   bool of_bar = false;    ///< one of the two nodes of a joint is the end of a bar: else both are rigid bodies
+  bool has_body = false;  ///< one of them is such a body
   bool met = false;       ///< a contact of the joint or end on the other side has the node, too
   /// The law alone tells the force, and no row: that of a rigid body without a bar, beside another contact; of a
   /// penalty also where no other one meets the body.

@@ -63,7 +63,7 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   if (contacts[i].joint > 0) {
     weights.alone = false;
     if (held)
-      add_joint_weights(joint_row(contacts, i), weights);
+      add_joint_weights(holding_row(contacts, i), weights);
     else
       weights.values = {0.0, 1.0, -1.0};
     return weights;
@@ -101,7 +101,7 @@ double Indicators::offset(std::size_t i, double t) const {
   const std::size_t node = contacts[i].unknown;
   if (!contacts[i].follows && !(contacts[i].holds && contacts.closed(i))) return contacts.offset(i);
   if (contacts[i].joint > 0) {
-    const JointRow row = joint_row(contacts, i);
+    const JointRow row = holding_row(contacts, i);
     const std::array<double, 3> origins = {contacts.origin().at(row.node), contacts.origin().at(row.next),
                                            contacts.origin().at(row.beyond)};
     double force = row.ground_stiffness * origins[0] - row.ground_force - load_.of_bar(row.node, t);

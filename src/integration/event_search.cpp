@@ -11,6 +11,7 @@
 #include <span>
 
 #include "dynamics/contact_forces.hpp"
+#include "dynamics/contact_rows.hpp"
 #include "integration/approach.hpp"
 
 namespace viscobar {
@@ -269,7 +270,8 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
-  if (const double mass = contacts_[i].lightest_body; mass > 0.0) {
+  if (const auto body = row_of_free_body(contacts_, i)) {
+    const double mass = body->inertia[0];
     pull.way_of_body += (pull.of_body + 0.5 * force / mass * time) * time;
     pull.of_body += force / mass * time;
   }

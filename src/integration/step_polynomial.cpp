@@ -236,6 +236,18 @@ double StepPolynomial::relaxed_rate(const Relaxation& relaxation, double s, doub
   return rate - relaxation.row.rate * u;
 }
 
+// massive() of all nodes, defects_ being known.
+auto StepPolynomial::all_massive(const Weights& of) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length();
+  const auto values = [n](const std::vector<double>& all, std::size_t first = 0) {
+    return Eigen::Map<const Eigen::ArrayXd>(all.data() + first, static_cast<Eigen::Index>(n));
+  };
+  const auto w0 = values(begin_.y, n), w1 = values(end_.y, n), a0 = values(begin_.a), a1 = values(end_.a),
+             d = values(defects_);
+  return h * (of.w0 * w0 + of.w1 * w1 + h * (of.a0 * a0 + of.a1 * a1)) + of.defect * d;
+}
+
 void StepPolynomial::motion_at(double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
   const double h = length(), s = (t - begin_.t) / h;
@@ -243,19 +255,11 @@ void StepPolynomial::motion_at(double t, std::span<double> y) {
     defects_.resize(n);
     for (std::size_t i = 0; i < n; ++i) defects_[i] = defect(i);
   }
-  const auto values = [n](const std::vector<double>& of, std::size_t first = 0) {
-    return Eigen::Map<const Eigen::ArrayXd>(of.data() + first, static_cast<Eigen::Index>(n));
-  };
-  const auto u0 = values(begin_.y), w0 = values(begin_.y, n), w1 = values(end_.y, n), a0 = values(begin_.a),
-             a1 = values(end_.a), d = values(defects_);
-  const auto change = [&](const Weights& of) {
-    return h * (of.w0 * w0 + of.w1 * w1 + h * (of.a0 * a0 + of.a1 * a1)) + of.defect * d;
-  };
   const auto out = [&](std::size_t first) {
     return Eigen::Map<Eigen::ArrayXd>(y.data() + first, static_cast<Eigen::Index>(n));
   };
-  out(0) = u0 + change(weights(s, 0));
-  out(n) = change(weights(s, 1)) / h;
+  out(0) = Eigen::Map<const Eigen::ArrayXd>(begin_.y.data(), static_cast<Eigen::Index>(n)) + all_massive(weights(s, 0));
+  out(n) = all_massive(weights(s, 1)) / h;
   for (std::size_t k = 0; k < relaxations_.size(); ++k) {
     const std::size_t i = relaxations_[k].row.unknown;
     y[i] = relaxed(relaxations_[k], s);
@@ -281,11 +285,18 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
   add_energy_flow<3>(
       system_, layout_, begin_.t, until, [&](double t, std::span<double> inner) { motion_at(t, inner); },
       [&](double t) {
-        const double s = (t - begin_.t) / length();
+        const std::size_t n = layout_.nodes;
+        const double h = length(), s = (t - begin_.t) / h;
         const Weights second = weights(s, 2);
         accelerations_.resize(system_.bar().row_values());
-        row_values(
-            layout_.nodes, [&](std::size_t i) { return value(i, s, 2, second); }, accelerations_);
+        const auto at = [&](std::size_t i) { return value(i, s, 2, second); };
+        if (accelerations_.size() < n) {
+          row_values(n, at, accelerations_);
+        } else {
+          Eigen::Map<Eigen::ArrayXd>(accelerations_.data(), static_cast<Eigen::Index>(n)) =
+              all_massive(second) / (h * h);
+          for (const Relaxation& one : relaxations_) accelerations_[one.row.unknown] = at(one.row.unknown);
+        }
         return std::span<const double>(accelerations_);
       },
       inner_, y.subspan(2 * layout_.nodes, layout_.account()));

@@ -119,6 +119,7 @@ class StepPolynomial {
   static Weights weights(double s, int derivative);
   double defect(std::size_t i) const;
   double massive(std::size_t i, const Weights& weights) const;
+  auto all_massive(const Weights& weights) const;
   double relaxed(const Relaxation& relaxation, double s) const;
   static double relaxed_rate(const Relaxation& relaxation, double s, double u);
   double value(std::size_t unknown, double s, int derivative) const;

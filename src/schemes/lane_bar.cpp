@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "discretisation/partial_sums.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -117,7 +119,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
   if (!rows_alike(system_)) {
     system_.internal_force(u, w, interface);
-    for (std::size_t i = 0; i < load.size(); ++i) interface[i] += load[i];
+    double* const force = interface.data();
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < load.size(); ++i) force[i] += load[i];
     return;
   }
   const double relaxation = system_.bar().viscosity / system_.bar().modulus;
@@ -144,14 +148,15 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
 
 double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const {
   const std::size_t n = order_.size();
-  const auto node = [&](std::size_t i) { return p[i] + lever * a[i]; };
+  const auto node = [=, p = p.data(), a = a.data()](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
   double sum = 0.0;
   if (!system_.rows_alike()) {
-    const std::size_t first = system_.first_node();
-    for (std::size_t i = 0; i + 1 < n; ++i) sum += squared(i, i + 1) / system_.rate_stretch(first + i);
-    if (system_.left_fixed()) sum += node(0) * node(0) / system_.rate_stretch(0);
-    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) / system_.rate_stretch(system_.mesh().elements - 1);
+    const std::vector<double>& weights = system_.rate_weights();
+    sum = partial_sums(n - 1,
+                       [&, of = &weights[system_.first_node()]](std::size_t i) { return squared(i, i + 1) * of[i]; });
+    if (system_.left_fixed()) sum += node(0) * node(0) * weights.front();
+    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
     return sum;
   }
   for (std::size_t i = 0; i + 1 < order_.first; ++i) sum += squared(i, i + 1);

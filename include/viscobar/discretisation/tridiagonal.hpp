@@ -88,15 +88,13 @@ struct BandedMatrix {
   /// x . (A - T) y of x(i), y(i): of one-sided rows, those of the ends where x has its first and last entry, y three at
   /// either end, and of the skew part, which has all.
   auto unsymmetric_product(auto&& x, auto&& y) const {
-    const std::size_t n = size();
-    decltype(x(n) * y(n)) sum = 0.0 * y(0);
-    for (std::size_t k = 0; k < 3 && !one_sided.empty(); ++k) {
-      auto part = sum;
-      part = x(one_sided[0].row) * (one_sided[0].entries[k] * y(one_sided[0].column(k)));
-      for (std::size_t r = 1; r < one_sided.size(); ++r)
-        part += x(one_sided[r].row) * (one_sided[r].entries[k] * y(one_sided[r].column(k)));
-      sum += part;
+    decltype(x(size()) * y(size())) sum = 0.0 * y(0);
+    auto parts = std::array{sum, sum, sum};
+    for (const OneSidedRow& one : one_sided) {
+      const auto at = x(one.row);
+      for (std::size_t k = 0; k < 3; ++k) parts[k] += at * (one.entries[k] * y(one.column(k)));
     }
+    for (const auto& part : parts) sum += part;
     for (std::size_t i = 0; i < skew.size(); ++i) sum += skew[i] * (x(i) * y(i + 1) - x(i + 1) * y(i));
     return sum;
   }

@@ -143,6 +143,8 @@ class BarSystem {
   double rate_stretch(std::size_t element) const {
     return inverse_rate_.empty() ? stretch(element) : 1.0 / inverse_rate_[element];
   }
+  /// 1 / rate_stretch() of every element; empty if all are alike.
+  const std::vector<double>& rate_weights() const { return inverse_rate_.empty() ? inverse_spacing_ : inverse_rate_; }
   /// h of the element of a bar that has the highest frequency, as one of bar() would have that.
   double finest() const { return chain_ ? finest_ : mesh_.smallest(); }
   double whole_stretch() const { return places_.empty() ? mesh_.length : places_.back(); }  ///< of the bar
@@ -422,7 +424,6 @@ class BarSystem {
   bool has_lift_force() const { return side_ || chain_; }
   double end_lift_loss(const Lift& rate, double left, double right) const;
   void add_masses();
-  const std::vector<double>& rate_weights() const { return inverse_rate_.empty() ? inverse_spacing_ : inverse_rate_; }
   enum class Moments { of_load, of_velocity, of_side };
   std::vector<double> moments_of(std::string_view what, const SpaceFunction& f, const Places& places, Moments of) const;
   void take_elements(const Scene& scene);
@@ -432,6 +433,9 @@ class BarSystem {
   void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
   void unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
+  void unlike_forces(std::span<const double> u, std::span<const double> w, std::span<double> out, auto&& stress) const;
+  double squared_differences_of(std::span<const double> x, std::array<const double*, 2> walls,
+                                std::span<const double> weights) const;
   void uniform_stiffness(double m, double scale, BandedMatrix& out) const;  // scale K + m rho M
   void graded_stiffness(double m, double scale, BandedMatrix& out) const;   // scale K + m rho M
   void unlike_stiffness(double m, double c, double k, BandedMatrix& out) const;
