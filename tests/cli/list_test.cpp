@@ -1,4 +1,6 @@
 // `viscobar list` and what the pages say are the same table.
+#include <fmt/format.h>
+
 #include "cli/command.hpp"
 #include "input/vocabulary.hpp"
 #include "viscobar/case/case.hpp"
