@@ -111,26 +111,33 @@ Lift BarSystem::lift(double t, int derivative, double step) const {
 
 namespace {
 
-// The jump of f at t; 0 where a function with those derivatives on both sides changes as much between them.
-double jump_of(double early, double late, double rate_before, double rate_after, double apart) {
-  const double smooth = 8.0 * (std::abs(rate_before) + std::abs(rate_after)) * apart;
-  return std::abs(late - early) > smooth + 1e-12 * (std::abs(early) + std::abs(late)) ? late - early : 0.0;
-}
-
 // The nearest times on both sides at which a function has its one-sided limits.
 std::pair<double, double> sides_of(double t, double end) {
   const double rounding = rounding_of_times(t, end);
   return {t > 0.0 ? std::max(t - rounding, 0.0) : 0.0, t + rounding};
 }
 
+// The jump of the n-th derivative f(., n) of a function at t; 0 where the function with the next one on both sides
+// changes as much between them, or by the rounding of its values: those beside t count, for a series may come back to 0
+// there.
+double jump_of(auto&& f, int n, double t, double end) {
+  const auto [before, after] = sides_of(t, end);
+  const double early = f(before, n), late = f(after, n), change = std::abs(late - early);
+  const double smooth = 8.0 * (std::abs(f(before, n + 1)) + std::abs(f(after, n + 1))) * (after - before);
+  if (change <= smooth + 1e-12 * (std::abs(early) + std::abs(late))) return 0.0;
+  double largest = 0.0;
+  for (double apart = end; apart > after - before; apart *= 0.5)
+    for (const double at : {std::max(t - apart, 0.0), std::min(t + apart, end)})
+      if (const double value = std::abs(f(at, n)); std::isfinite(value)) largest = std::max(largest, value);
+  return change > 1e-14 * largest ? late - early : 0.0;
+}
+
 }  // namespace
 
 std::optional<FrameJump> BarSystem::kink(double t, double end) const {
   if (!moving()) return std::nullopt;
-  const auto [before, after] = sides_of(t, end);
-  const auto jump = [&, before = before, after = after](bool right, int derivative) {
-    return jump_of(lift(before, derivative).of(right), lift(after, derivative).of(right),
-                   lift(before, derivative + 1).of(right), lift(after, derivative + 1).of(right), after - before);
+  const auto jump = [&](bool right, int derivative) {
+    return jump_of([&](double at, int n) { return lift(at, n).of(right); }, derivative, t, end);
   };
   FrameJump found;
   for (const bool right : {false, true}) {
@@ -143,6 +150,7 @@ std::optional<FrameJump> BarSystem::kink(double t, double end) const {
   const bool kinks = jump(false, 1) != 0.0 || jump(true, 1) != 0.0;
   if (!kinks && !found.displaces()) return std::nullopt;
   if (kinks) {
+    const auto [before, after] = sides_of(t, end);
     const Lift early = lift(before, 1), late = lift(after, 1);
     found.velocity = {late.left - early.left, late.right - early.right};
   }
@@ -163,9 +171,7 @@ double BarSystem::gap_jump(const Contact& contact, double t, double end) const {
   const bool right = contact.where == Where::right;
   if (!contact.at_end() || !inputs_[right].motion) return 0.0;
   const EndMotion& motion = *inputs_[right].motion;
-  const auto [before, after] = sides_of(t, end);
-  const auto at = [&](double time, int derivative) { return motion_at(motion, time, derivative, right); };
-  return -contact.sign * jump_of(at(before, 0), at(after, 0), at(before, 1), at(after, 1), after - before);
+  return -contact.sign * jump_of([&](double at, int n) { return motion_at(motion, at, n, right); }, 0, t, end);
 }
 
 void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {

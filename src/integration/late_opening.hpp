@@ -29,10 +29,12 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
                           LateOpening& latest) {
   const auto& [system, layout, stepper] = motion;
   const auto [t, begin, end, last_change, load_break] = opening;
-  const std::size_t node = system.contacts()[i].unknown;
-  const double omega = system.contacts()[i].rate;
+  const ContactNode& contact = system.contacts()[i];
+  const double omega = contact.rate;
   // A jump of the load asks for the opening at once, which comes within the same delay.
   if (omega * (t - load_break) < 10.0) return;
+  // At a joint that of both nodes against each other.
+  const double mass = contact.law.linear().stiffness / (omega * omega);
   std::vector<double> force(layout.nodes);
   const auto pull = [&](double at) {
     stepper.interpolate(at, state);
@@ -40,7 +42,7 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
     system.complete_velocity(at, layout.u(state), rate);
     system.force(at, layout.u(state), rate, force);
     system.accelerate(force);
-    return system.contacts()[i].sign * system.bar().inertia().diagonal_entry(node) * force[node];
+    return contact.sign * mass * contact.of(force);
   };
   const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
   const double now = pull(t), change = std::abs(now - pull(other)) / apart;
@@ -48,12 +50,12 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
   const ErrorWeights& weights = stepper.weights();
   const double tolerated =
       (bar.modulus * weights.promised_displacement() + bar.viscosity * weights.promised_velocity()) /
-      system.bar().stretch_at(node);
+      system.bar().stretch_at(contact.unknown);
   // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
   // lateness / m.
   const double lateness =
       std::clamp(std::abs(now) / change, std::max(end - begin, 10.0 / omega), std::max(end - begin, t - last_change));
-  const double brief = system.bar().inertia().diagonal_entry(node) * weights.promised_velocity() / lateness;
+  const double brief = mass * weights.promised_velocity() / lateness;
   const double ratio = now / (5.0 / omega * change + tolerated + brief);
   if (ratio > latest.ratio) latest = {ratio, t};
 }

@@ -206,5 +206,21 @@ TEST(ChainAccounts, AnEstimateHalvesBarsOfFewElements) {
   EXPECT_GT(found.estimate->total, 0.0);
 }
 
+// The pull at an opening drives the two nodes apart and is not what pushes both: the joint opens where the force
+// between the bars is zero, seen from either side.
+TEST(ChainAccounts, AJointOfTwoPushedBarsOpensOnTime) {
+  for (const bool mirrored : {false, true}) {
+    const char* const forces[] = {"1.0", "0.5*t", "-0.5*t", "-1.0"};
+    const Recording run = record(case_of(fmt::format(
+        "[[bar]]\nlength = 1.0\nviscosity = 0.2\nelements = 4\n[[bar]]\nlength = 1.0\nviscosity = 0.2\nelements = "
+        "4\n[[joint]]\nkind = \"contact\"\ngap = 0.01\n[left]\nkind = \"free\"\nforce = \"{}\"\n[right]\nkind = "
+        "\"free\"\nforce = \"{}\"\n[time]\nend = 4.0\n[mesh]\nmass = \"consistent\"\n[contact]\nrestitution = 0.0\n"
+        "epsilon = 1e-7\n[method]\nname = \"cvode\"\nrelative_tolerance = 1e-8\n",
+        forces[2 * mirrored], forces[2 * mirrored + 1])));
+    ASSERT_EQ(run.events.size(), 2u);
+    EXPECT_LT(run.statistics.late_opening.ratio, 1.0) << mirrored;
+  }
+}
+
 }  // namespace
 }  // namespace viscobar::chain_accounts

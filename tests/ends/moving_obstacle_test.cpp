@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -247,6 +248,23 @@ TEST(MovingObstacle, ThatJumpsAwayLeavesTheDerivativesThatDifferencesHave) {
       }
     }
   }
+}
+
+// The values beside the sample at which a record comes back to 0 have a rounding that 0 has not.
+TEST(MovingObstacle, ARecordThatComesBackToZeroDoesNotJump) {
+  std::string times = "0", values = "0";
+  for (int k = 1; k <= 20; ++k) {
+    times += fmt::format(", {}", 0.1 * k);
+    values += fmt::format(", {:.4f}",
+                          k > 5 && k < 13 ? 0.025 * (1.0 - std::cos(2.0 * std::numbers::pi * (k - 5) / 8.0)) : 0.0);
+  }
+  const std::string series = fmt::format("{{ t = [{}], values = [{}] }}\n", times, values);
+  const std::string rest =
+      "[time]\nend = 2\n[mesh]\nelements = 10\n[bar]\nlength = 1\nviscosity = 0.1\n[method]\nname = \"{}\"\n";
+  for (const std::string& end : {"[left]\nkind = \"fixed\"\nmotion = " + series,
+                                 "[left]\nkind = \"obstacle\"\ngap = " + series + "[load]\ndensity = -1.0\n"})
+    for (const char* method : {"rigid", "cvode", "arkode", "exponential", "fully_discrete"})
+      EXPECT_NO_THROW(record(parse_scene(end + fmt::format(fmt::runtime(rest), method), "").run)) << end << method;
 }
 
 }  // namespace
