@@ -290,7 +290,7 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
         const Weights second = weights(s, 2);
         accelerations_.resize(system_.bar().row_values());
         const auto at = [&](std::size_t i) { return value(i, s, 2, second); };
-        if (accelerations_.size() < n) {
+        if (accelerations_.size() != n) {
           row_values(n, at, accelerations_);
         } else {
           Eigen::Map<Eigen::ArrayXd>(accelerations_.data(), static_cast<Eigen::Index>(n)) =
