@@ -34,7 +34,8 @@ struct TraceFile {
 
 /// Reads one with columns of those names, `t` first; those of `words` are words and the others numbers. A name that
 /// ends with @ stands for all that begin so: u@ for u@0.25. With `places` it is the column of that name that stands for
-/// `t`, and its numbers may be negative: a series that moves a bar, which has a value in each row, and its rows in order.
+/// `t`, and its numbers may be negative: a series that moves a bar, which has a value in each row, and its rows in
+/// order.
 /// @throws SceneError naming file, line, column and what is wrong; also for a file of a result that is damaged
 TraceFile read_traces(const std::filesystem::path& file, const std::vector<std::string>& known,
                       const std::vector<std::string>& required, const std::vector<std::string>& words = {},
