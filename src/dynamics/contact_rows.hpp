@@ -31,9 +31,9 @@ struct JointRow {
 };
 /// Where the contact is by_law it has b and a for nodes, and zeros.
 JointRow joint_row(const Contacts& contacts, std::size_t i);
-/// The row of the lighter rigid body at contact i, a joint, which nothing else holds now: no spring to another member,
-/// no closed contact; absent: both are held. N = m a + k_0 u + c_0 w - f_0 - (M f) is wrong there by what m a is, in
-/// the bar's row by (E / h) du + (eta / h) dw, which may be more than all that moves a light body.
+/// N = m a + k_0 u + c_0 w - f_0 - (M f): the row of the lighter rigid body at contact i, a joint, which nothing else
+/// holds now, neither a spring to another member nor a closed contact. Absent: both are held. Its error is that of m a.
+/// The bar's row is wrong by (E / h) du + (eta / h) dw: that may be more than all that moves a light body.
 std::optional<JointRow> row_of_free_body(const Contacts& contacts, std::size_t i);
 /// The row that tells N of a closed contact best as the contacts are now: that of a free body, or else joint_row().
 inline JointRow holding_row(const Contacts& contacts, std::size_t i) {

@@ -8,12 +8,15 @@
 
 namespace viscobar {
 
-/// Energy of scheme (2.8), and its balance over a step, v^n = (u^{n+1} - u^{n-1}) / (2 dt):
+/// Energy of scheme (2.8):
 ///
-///     E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1})),
-///     E^{n+1/2} - E^{n-1/2} = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v,
+///     E^{n-1/2} = 1/2 p.rho M p + 1/4 E (a(u^n, u^n) + a(u^{n-1}, u^{n-1})).
 ///
-/// with terms of dashpots, sides that resist and frames that move.
+/// Its balance over a step, v^n = (u^{n+1} - u^{n-1}) / (2 dt):
+///
+///     E^{n+1/2} - E^{n-1/2} = dt (f, v) - eta dt a(v, v) - dt v.rho (M - Q) a + dt lambda v.
+///
+/// Dashpots, sides that resist and frames that move add terms.
 class StepEnergy {
  public:
   /// Steps are dt from times.front() on. All but dt outlive it.

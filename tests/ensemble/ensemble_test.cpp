@@ -61,10 +61,7 @@ TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {
     study.outputs = {fmt::format("u_left@{}", end / 64), fmt::format("u_right@{}", end / 64)};
     study.error = scene % 2 == 0 ? 1e-2 : 1e-3;
     const EnsembleResult found = ensemble(study);
-    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
-    EnsembleStudy exact = rigid.study();
-    exact.outputs = study.outputs;
-    const EnsembleResult truth = ensemble(exact);
+    const EnsembleResult truth = truth_of(made, study.outputs);
     for (std::size_t i = 0; i < found.bars; ++i) {
       ASSERT_EQ(found.status[i], BarStatus::kept);
       EXPECT_LE(found.error[i], *study.error);
@@ -92,10 +89,7 @@ TEST(Ensemble, EndMassesThatArePulledOffAndReboundsGoAloneWithinTheirEstimates) 
     study.outputs = {"u_left@0.01"};
     study.error = 1e-3;
     const EnsembleResult found = ensemble(study);
-    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
-    EnsembleStudy exact = rigid.study();
-    exact.outputs = study.outputs;
-    const EnsembleResult truth = ensemble(exact);
+    const EnsembleResult truth = truth_of(made, study.outputs);
     EXPECT_GT(std::ranges::count(found.ways, BarWay::alone), 5) << more;
     for (std::size_t i = 0; i < found.bars; ++i) {
       EXPECT_EQ(found.status[i], BarStatus::kept);
@@ -135,10 +129,7 @@ TEST(Ensemble, AWayBetweenTheTimesThatAreComparedHasAnError) {
   study.outputs = {"u_left@0.029296875"};
   study.error = 1e-3;
   const EnsembleResult found = ensemble(study);
-  const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
-  EnsembleStudy exact = rigid.study();
-  exact.outputs = study.outputs;
-  const EnsembleResult truth = ensemble(exact);
+  const EnsembleResult truth = truth_of(made, study.outputs);
   for (std::size_t i = 0; i < found.bars; ++i) {
     EXPECT_EQ(found.ways[i], BarWay::lanes);
     EXPECT_LE(error_of(found, truth, i, 1), found.error[i]) << made.values[0][i];

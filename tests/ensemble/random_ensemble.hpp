@@ -66,6 +66,14 @@ inline TextEnsemble by_method(TextEnsemble made, const std::string& method) {
   return made;
 }
 
+/// Those outputs of the same bars by `rigid` at 1e-10.
+inline EnsembleResult truth_of(const TextEnsemble& made, const std::vector<std::string>& outputs) {
+  const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
+  EnsembleStudy exact = rigid.study();
+  exact.outputs = outputs;
+  return ensemble(exact);
+}
+
 /// The largest error of the first outputs of a bar, as a share of the largest value of the truth's.
 inline double error_of(const EnsembleResult& found, const EnsembleResult& truth, std::size_t bar, std::size_t outputs) {
   double error = 0.0, size = 0.0;

@@ -230,10 +230,7 @@ void errors(std::size_t scenes, unsigned seed, const std::string& kind) {
     if (kind == "events") study.outputs.push_back("events:8");
     study.error = std::pow(10.0, -pick(1, 4));
     const EnsembleResult found = ensemble(study);
-    const TextEnsemble rigid = by_method(made, "name=\"rigid\"\nrelative_tolerance=1e-10\n");
-    EnsembleStudy exact = rigid.study();
-    exact.outputs = study.outputs;
-    const EnsembleResult truth = ensemble(exact);
+    const EnsembleResult truth = truth_of(made, study.outputs);
     for (std::size_t i = 0; i < bars; ++i) {
       if (found.status[i] > BarStatus::not_kept || truth.status[i] != BarStatus::kept) {
         ++not_told;
