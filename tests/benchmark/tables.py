@@ -104,13 +104,13 @@ def policy(results):
     rows = []
     for scene in ("throw", "chatter 1e-4", "chatter 1e-6", "resting"):
         row = [scene, results[f"policy/cvode/{scene}"]["changes"]]
-        for name in ("across", "restart", "kept", "last", "cvode"):
+        for name in ("across", "restart", "kept", "last", "cvode", "cvode_global"):
             run = results[f"policy/{name}/{scene}"]
             row.append(f"{number(run['ms'])}, {number(run['steps'])}, {number(run['error'])}")
         rows.append(row)
     table("At a contact change: ms, steps, error of u(0,t)",
           ["scene", "changes", "stock, across the kink", "stock, restart", "restart, kept first step",
-           "restart, a tenth of the last step", "cvode (local)"], rows)
+           "restart, a tenth of the last step", "cvode (local)", "cvode (global)"], rows)
 
 
 def scipy(path):
