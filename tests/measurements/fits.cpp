@@ -46,9 +46,9 @@ int main(int argc, char** argv) {
     count.beyond_one += judged.converged && judged.off > 1.0;
     count.beyond_two += judged.converged && judged.off > 2.0;
     if (!judged.found || !judged.converged || wrong || judged.runs > 300)
-      fmt::print("{}: {}: {}, {}, S {:.3g} variances above, {:.3g} deviations from the truth, {} runs\n", index,
+      fmt::print("{}: {}: {}, {}, S {:.3g} variances above, {:.3g} deviations from the truth, {} runs: {}\n", index,
                  one.words, judged.found ? "found" : "not found", judged.converged ? "converged" : "not converged",
-                 judged.excess, judged.off, judged.runs);
+                 judged.excess, judged.off, judged.runs, judged.told);
   }
   std::ranges::sort(runs);
   for (const auto& [words, count] : {std::pair("with noise", of_noise), std::pair("without", of_none)})

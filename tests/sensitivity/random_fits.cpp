@@ -318,12 +318,14 @@ Judged against_truth(const RandomFit& one, const FitResult& found, double floor)
   Judged judged;
   for (std::size_t k = 0; k < one.truth.size(); ++k) {
     const auto& [key, estimate, deviation, bound] = found.parameters[k];
+    judged.told += fmt::format("{:.7g} +- {:.2g}, ", estimate, deviation);
     if (std::isnan(deviation)) continue;
     judged.off = std::max(judged.off, std::abs(estimate - one.truth[k]) / std::max(deviation, floor * one.truth[k]));
   }
   judged.found = true;
   judged.converged = found.converged;
   judged.runs = found.runs;
+  judged.told += fmt::format("{}", fmt::join(found.warnings, "; "));
   return judged;
 }
 
@@ -351,7 +353,7 @@ Judged judge(const RandomFit& one, std::size_t starts, double floor) {
   return judged;
 }
 
-// Numbers of the model are right to its tolerance of 1e-6, of which the study judges nothing.
-Judged distance(const RandomFit& one) { return against_truth(one, fit(one.study), 1e-6); }
+// A hundredth of a deviation, 1e-4 of the largest value, is a residual that a fit does not look behind.
+Judged distance(const RandomFit& one) { return against_truth(one, fit(one.study), 1e-4); }
 
 }  // namespace viscobar::random_fits

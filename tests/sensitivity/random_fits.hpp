@@ -30,6 +30,7 @@ struct Judged {
   double excess = 0.0;     ///< S over that, in variances of the noise or of 1 % of the deviations
   double off = 0.0;        ///< the largest distance of a parameter from the truth, in deviations told; see `floor`
   std::size_t runs = 0;
+  std::string told;  ///< estimates with their deviations, and warnings
 };
 
 /// Compares fit() with MINPACK's Levenberg-Marquardt from the truth and from so many starts within a factor of ten of
