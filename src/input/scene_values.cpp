@@ -24,19 +24,45 @@ std::optional<TomlValue> plain_number(std::string_view text) {
   return number_in<double>(text);
 }
 
-}  // namespace
-
-TomlValue value_of(std::string_view text) {
-  if (auto number = plain_number(text)) return *std::move(number);
+std::optional<TomlValue> toml_value(const std::string& text) {
   try {
-    const TomlNode root = parse_toml("value = " + std::string(text));
+    const TomlNode root = parse_toml("value = " + text);
     if (root.inside.size() == 1)
       if (const TomlNode& only = root.inside.front();
           !std::holds_alternative<OtherValue>(only.value) || only.kind != TomlNode::Kind::table)
         return only.value;
-  } catch (const TextError&) {  // a bare string
+  } catch (const TextError&) {
   }
-  return std::string(text);
+  return std::nullopt;
+}
+
+// Numbers as people write them, .5, 2. and 007, as TOML has them; what is in quotes stays.
+std::string with_toml_numbers(std::string_view text) {
+  std::string all;
+  char quote = '\0';
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool after = i + 1 < text.size() && is_digit(text[i + 1]), before = i > 0 && is_digit(text[i - 1]);
+    if (quote == '\0' ? c == '"' || c == '\'' : c == quote) quote = quote == '\0' ? c : '\0';
+    const bool begins = all.empty() || !(is_digit(all.back()) || is_letter(all.back()) || all.back() == '.');
+    if (quote == '\0' && c == '0' && after && begins) continue;
+    if (quote == '\0' && c == '.' && before != after)
+      all += before ? ".0" : "0.";
+    else
+      all += c;
+  }
+  return all;
+}
+
+}  // namespace
+
+TomlValue value_of(std::string_view text) {
+  if (auto number = plain_number(text)) return *std::move(number);
+  std::string bare(text);
+  if (auto value = toml_value(bare)) return *std::move(value);
+  if (const std::string changed = with_toml_numbers(bare); changed != bare)
+    if (auto value = toml_value(changed)) return *std::move(value);
+  return bare;
 }
 
 std::string_view kind_of(const TomlValue& value) {

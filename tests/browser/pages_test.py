@@ -429,11 +429,11 @@ class Studies(Browsed):
                 if row["method"] == pair["other"]:
                     self.assertSame(pair["displacement_l2"], row["displacement_l2"])
                     self.assertSame(pair["energy_final"], row["energy_difference"])
-        self.browser.move(*self.place("left-end", 3.0, 0))
+        self.browser.move(*self.place("displacement-left", 3.0, 0))
         self.assertAlmostEqual(self.value("viscobar.links.t.place"), 3.0, delta=0.02)
-        self.assertNotEqual(self.value("document.querySelector('[data-picture=left-end] .value').textContent"), "")
+        self.assertNotEqual(self.value("document.querySelector('[data-picture=displacement-left] .value').textContent"), "")
         self.browser.move(2, 2)
-        self.value("viscobar.charts.get('right-end').host.focus()")
+        self.value("viscobar.charts.get('displacement-right').host.focus()")
         self.browser.key("End")
         self.assertEqual(self.value("viscobar.links.t.place"), 6.0)
 

@@ -46,6 +46,23 @@ TEST_F(Info, CountsADirectoryOfPicturesAsOne) {
   EXPECT_EQ((*found)["bytes"], pictures);
 }
 
+// Each picture has a name of its own: what a command says of its files stays true beside another.
+TEST_F(Info, PicturesOfAllCommandsAreSoundInOneDirectory) {
+  for (const char* command : {"run scene.toml", "compare scene.toml --methods rigid,cvode --set contact.epsilon=1e-6",
+                              "compare scene.toml --with out/ends.csv", "limit scene.toml --epsilon 1e-3:1e-4",
+                              "precision scene.toml --methods rigid --tolerance 1e-3:1e-4 --seconds 60",
+                              "fit scene.toml --data out/ends.csv --parameters bar.viscosity"})
+    ASSERT_LE(viscobar(std::string(command) + " --quiet --figures -o out").code, 1) << command;
+  const auto verified = viscobar("info out --verify --json").json();
+  EXPECT_EQ(verified["verdict"], "sound");
+  std::size_t pictures = 0;
+  for (const auto& file : verified["files"]) {
+    EXPECT_EQ(file["state"], "sound") << file;
+    pictures += file["name"].get<std::string>().starts_with("figures/");
+  }
+  EXPECT_GT(pictures, 20u);
+}
+
 TEST_F(Info, TellsOfEveryStudyInTheDirectory) {
   viscobar("compare scene.toml --methods rigid,cvode --set contact.epsilon=1e-6 --quiet -o out");
   viscobar("limit scene.toml --epsilon 1e-3:1e-4 --quiet -o out");

@@ -71,8 +71,9 @@ TEST_F(Precision, SeveralMeshesAreNamedInTheLabels) {
 TEST_F(Precision, TheTableNamesThePartsTheNormAndTheReference) {
   const Ended ended = viscobar("precision " + scene("unit-both-ends") + few_ + " --seconds 60 -o out");
   EXPECT_EQ(ended.code, 0) << ended.error;
-  for (const char* word : {"space", "penalty", "time", "largest part", "dominates", "buys nothing",
-                           "Errors are against", "in the unit of u", "out/precision.html"})
+  for (const char* word :
+       {"space", "penalty", "time", "largest part", "dominates", "buys nothing", "Errors are against",
+        "in the unit of u", "out/precision.html", "error, measured", "measured, where `run` and `check` estimate it"})
     EXPECT_NE(ended.out.find(word), std::string::npos) << word;
   const std::string page = read_text(directory_ / "out" / "precision.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);

@@ -2,10 +2,13 @@
 //
 //     cmake --build --preset release --target measure_fits
 //     build/release/tests/measure_fits [FITS [SEED [FIRST [STARTS]]]]
+//     build/release/tests/measure_fits FITS SEED FIRST reactions      # or velocities, forces: by eight times the
+//     elements
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +20,11 @@ int main(int argc, char** argv) {
     return argc > k ? static_cast<std::size_t>(std::atoll(argv[k])) : otherwise;
   };
   const std::size_t fits = argument(1, 300), seed = argument(2, 1), first = argument(3, 0), starts = argument(4, 20);
+  const std::string kind = argc > 4 ? argv[4] : "";
+  const Data data = kind == "reactions"    ? Data::reactions
+                    : kind == "velocities" ? Data::velocities
+                    : kind == "forces"     ? Data::forces
+                                           : Data::any;
   // An estimate farther than this from the truth is wrong: noise does so in 1 of 16,000.
   constexpr double far = 4.0;
   struct Counts {
@@ -24,8 +32,8 @@ int main(int argc, char** argv) {
   } of_noise, of_none;
   std::vector<std::size_t> runs;
   for (std::size_t index = first; index < first + fits; ++index) {
-    const RandomFit one = random_fit(seed, index);
-    const Judged judged = judge(one, starts);
+    const RandomFit one = random_fit(seed, index, data);
+    const Judged judged = data == Data::any ? judge(one, starts) : distance(one);
     runs.push_back(judged.runs);
     Counts& count = one.noise > 0.0 ? of_noise : of_none;
     const bool wrong = judged.converged && judged.off > far;
@@ -38,9 +46,9 @@ int main(int argc, char** argv) {
     count.beyond_one += judged.converged && judged.off > 1.0;
     count.beyond_two += judged.converged && judged.off > 2.0;
     if (!judged.found || !judged.converged || wrong || judged.runs > 300)
-      fmt::print("{}: {}: {}, {}, S {:.3g} variances above, {:.3g} deviations from the truth, {} runs\n", index,
+      fmt::print("{}: {}: {}, {}, S {:.3g} variances above, {:.3g} deviations from the truth, {} runs: {}\n", index,
                  one.words, judged.found ? "found" : "not found", judged.converged ? "converged" : "not converged",
-                 judged.excess, judged.off, judged.runs);
+                 judged.excess, judged.off, judged.runs, judged.told);
   }
   std::ranges::sort(runs);
   for (const auto& [words, count] : {std::pair("with noise", of_noise), std::pair("without", of_none)})

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "sensitivity/random_fits.hpp"
@@ -235,6 +236,59 @@ TEST(Fit, CountsTheModelsOwnErrorAmongItsDeviations) {
     EXPECT_GT(found.model_errors[k], 0.0);
     EXPECT_GE(found.parameters[k].standard_deviation, found.model_errors[k]);
     EXPECT_LT(std::abs(found.parameters[k].estimate - truth), 3.0 * found.parameters[k].standard_deviation);
+  }
+}
+
+// Samples just behind a touch make another valley on another mesh, into which no line leads: the gap of 30 elements is
+// 6e-4 off.
+TEST(Fit, CountsTheWayIntoTheValleyOfAFinerMesh) {
+  const double truth = 0.1865;
+  const auto thrown = [](std::span<const double> values) {
+    Case run = bar(values, {"left.gap"});
+    run.scene.bar.viscosity = 0.1;
+    run.mass = Mass::fourth_order;
+    run.elements = 30, run.end = 2.0, run.output_every = 0.01;
+    return run;
+  };
+  Case fine = thrown(std::vector{truth});
+  fine.directions.clear();
+  fine.elements = 480;
+  const Recording made = record(fine);
+  FitStudy study;
+  study.model = thrown;
+  study.times = made.times;
+  study.traces.push_back({TraceColumn::reaction_left, made.reaction_left, 0.1, true});
+  study.parameters.push_back({"left.gap", 0.2, 1e-6, 1e6});
+  const FitResult found = fit(study);
+  EXPECT_GT(std::abs(found.parameters[0].estimate - truth), 3e-4);
+  EXPECT_LT(std::abs(found.parameters[0].estimate - truth), 3.0 * found.parameters[0].standard_deviation);
+  EXPECT_LT(found.parameters[0].standard_deviation, 0.01);  // of the interval of the samples
+}
+
+// Reactions and forces of joints by eight times the elements of the model. More than four deviations are 1 of 16,000 by
+// noise.
+TEST(RandomFits, AreNotReliedOnFartherFromTheTruthThanTheirMeshSays) {
+  using random_fits::Data;
+  for (const auto& [seed, index, data] : {std::tuple(7, 11, Data::reactions),
+                                          {7, 38, Data::reactions},
+                                          {21, 85, Data::reactions},
+                                          {7, 9, Data::forces},
+                                          {7, 23, Data::forces},
+                                          {7, 35, Data::forces},
+                                          {21, 36, Data::forces}}) {
+    const random_fits::Judged found = distance(random_fits::random_fit(seed, index, data));
+    EXPECT_TRUE(found.converged) << seed << " " << index << found.told;
+    EXPECT_LT(found.off, 4.0) << seed << " " << index << found.told;
+  }
+}
+
+// A mesh that is too coarse is named where twice the elements meet the data better, other starts where they do not.
+TEST(RandomFits, AreAdvisedToTakeAFinerMeshWhereThatHelps) {
+  for (const auto& [index, mesh] : {std::pair(89, true), {19, false}}) {
+    const random_fits::Judged found = distance(random_fits::random_fit(21, index, random_fits::Data::forces));
+    EXPECT_FALSE(found.converged) << index;
+    EXPECT_EQ(found.told.find("mesh.elements") != std::string::npos, mesh) << found.told;
+    EXPECT_EQ(found.told.find("other starts") != std::string::npos, !mesh) << found.told;
   }
 }
 

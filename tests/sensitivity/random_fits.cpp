@@ -7,10 +7,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "campaign/draw.hpp"
+#include "studies/fit/search.hpp"
 #include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::random_fits {
 
@@ -139,10 +142,79 @@ struct Residuals {
   }
 };
 
+// The traces of a run on eight times the elements, with noise. Their columns are in the study.
+void take_from_finer(RandomFit& one, Draw& draw) {
+  FitStudy& study = one.study;
+  for (MeasuredTrace& trace : study.traces) trace.values.assign(study.times.size(), 0.0);
+  Case run = study.model(one.truth);
+  run.elements *= 8;
+  run.directions.clear();
+  const auto made = fitting::measure(study, run, fitting::Compared::exact, false, 10'000'000).traces;
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    double largest = 0.0;
+    for (const double value : made[i]) largest = std::max(largest, std::abs(value));
+    study.traces[i].deviation = largest > 0.0 ? 0.01 * largest : 1.0;
+    for (std::size_t k = 0; k < made[i].size(); ++k)
+      study.traces[i].values[k] = made[i][k] + one.noise * largest * draw.normal();
+  }
+}
+
+std::vector<double> times_to(double end) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k <= 150; ++k) times.push_back(end * static_cast<double>(k) / 150.0);
+  return times;
+}
+
+// Two bars that meet, by the force of their joint.
+RandomFit random_chain(Draw draw) {
+  RandomFit made;
+  const double end = draw.between(1.5, 5.0);
+  const std::size_t elements = draw.one_of({24, 40, 60});
+  const auto [length, density, far_speed] =
+      std::tuple(draw.between(0.5, 1.5), draw.decades(0.5, 2.0), draw.chance(0.5) ? draw.between(-0.5, 0.0) : 0.0);
+  const std::pair<const char*, double> values[] = {{"bar.1.viscosity", draw.decades(0.02, 0.5)},
+                                                   {"bar.2.modulus", draw.decades(0.3, 3.0)},
+                                                   {"joint.1.gap", draw.between(0.02, 0.3)},
+                                                   {"bar.2.viscosity", draw.decades(0.02, 0.5)}};
+  std::string scene = fmt::format(
+      "[[bar]]\nlength = 1.0\nvelocity = 1.0\n[[bar]]\nlength = {}\ndensity = {}\nvelocity = {}\n[[joint]]\nkind = "
+      "\"contact\"\n[mesh]\nelements = {}\n[method]\nname = \"rigid\"\n[time]\nend = {}\n",
+      length, density, far_speed, elements, end);
+  std::vector<std::string> held, fitted;
+  for (const auto& [key, value] : values) {
+    if (!draw.chance(0.4) || fitted.size() == 2) {
+      held.push_back(fmt::format("{}={}", key, value));
+      continue;
+    }
+    fitted.emplace_back(key);
+    made.truth.push_back(value);
+  }
+  if (fitted.empty())
+    fitted.emplace_back(values[1].first), held.erase(held.begin() + 1), made.truth.push_back(values[1].second);
+  made.study.model = [=](std::span<const double> given) {
+    std::vector<std::string> settings = held;
+    for (std::size_t k = 0; k < fitted.size(); ++k) settings.push_back(fmt::format("{}={}", fitted[k], given[k]));
+    settings.push_back(fmt::format("sensitivity.of=[\"{}\"]", fmt::join(fitted, "\",\"")));
+    return parse_scene(scene, "", settings).run;
+  };
+  made.study.times = times_to(end);
+  made.study.traces.push_back({TraceColumn::force_of, {}, 1.0, true, 1.0});
+  made.noise = draw.chance(0.5) ? 0.01 : 0.0;
+  made.words = fmt::format("{} elements, end {:.3g}, noise {}, force:1", elements, end, made.noise);
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    made.study.parameters.push_back(
+        {fitted[k], made.truth[k] * draw.decades(0.1, 10.0), fitted[k].ends_with("modulus") ? 1e-300 : 0.0});
+    made.words += fmt::format(", {} {:.4g} from {:.4g}", fitted[k], made.truth[k], made.study.parameters[k].start);
+  }
+  take_from_finer(made, draw);
+  return made;
+}
+
 }  // namespace
 
-RandomFit random_fit(std::uint64_t seed, std::size_t index) {
+RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data) {
   Draw draw(seed, index);
+  if (data == Data::forces) return random_chain(draw);
   Values truth{draw.decades(0.02, 0.5), draw.decades(0.3, 3.0), draw.between(0.02, 0.5), draw.decades(0.3, 3.0)};
   const double kind = draw.between(0.0, 1.0), bend = draw.between(0.0, 0.5), end = draw.between(1.5, 5.0);
   const double force = draw.chance(0.3) ? draw.between(-0.5, 0.5) : 0.0,
@@ -157,6 +229,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
     if (draw.chance(0.45) && which.size() < 3) which.push_back(k);
   if (which.empty()) which.push_back(2);
 
+  const std::size_t elements = data == Data::any ? 12 : draw.one_of({12, 20, 30, 60});
   const auto bar = [=](const Values& values) {
     Case run;
     run.scene.bar.viscosity = values.viscosity;
@@ -167,7 +240,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
     if (load != 0.0) run.scene.load = SteadyLoad{[load](double) { return load; }};
     if (force != 0.0)
       run.scene.right_input.force = EndForce{[force](double t) { return force * std::sin(3.0 * t); }, {}, false};
-    run.elements = 12;
+    run.elements = elements;
     run.method = method;
     if (method == MethodName::arkode) run.epsilon = 1e-3;
     if (method == MethodName::fully_discrete) run.step = 2e-3;
@@ -193,9 +266,14 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
   const Recording exact = record(bar(truth));
   study.times = exact.times;
   const double noise = made.noise = draw.chance(0.5) ? 0.01 : 0.0;
-  made.words = fmt::format("{} of {}, noise {},", name(method), end, noise);
+  made.words = fmt::format("{} of {} on {}, noise {},", name(method), end, elements, noise);
+  const auto is_asked = [&](TraceColumn column) {
+    return data == Data::any ||
+           (data == Data::reactions ? column == TraceColumn::reaction_left : fitting::is_velocity(column));
+  };
   for (const TraceColumn column : all_trace_columns) {
-    if (!draw.chance(column == TraceColumn::u_left ? 0.7 : 0.4) &&
+    if (!is_asked(column)) continue;
+    if (data == Data::any && !draw.chance(column == TraceColumn::u_left ? 0.7 : 0.4) &&
         !(study.traces.empty() && column == TraceColumn::u_right))
       continue;
     if (column == TraceColumn::reaction_right) continue;  // of a free end
@@ -217,6 +295,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
     study.parameters.push_back({keys[k], made.truth.back() * factor, low});
     made.words += fmt::format(", {} {:.4g} from {:.4g}", keys[k], made.truth.back(), study.parameters.back().start);
   }
+  if (data != Data::any) take_from_finer(made, draw);
   return made;
 }
 
@@ -235,7 +314,22 @@ double least_of_starts(const RandomFit& one, std::size_t starts) {
   return residuals.least;
 }
 
-Judged judge(const RandomFit& one, std::size_t starts) {
+Judged against_truth(const RandomFit& one, const FitResult& found, double floor) {
+  Judged judged;
+  for (std::size_t k = 0; k < one.truth.size(); ++k) {
+    const auto& [key, estimate, deviation, bound] = found.parameters[k];
+    judged.told += fmt::format("{:.7g} +- {:.2g}, ", estimate, deviation);
+    if (std::isnan(deviation)) continue;
+    judged.off = std::max(judged.off, std::abs(estimate - one.truth[k]) / std::max(deviation, floor * one.truth[k]));
+  }
+  judged.found = true;
+  judged.converged = found.converged;
+  judged.runs = found.runs;
+  judged.told += fmt::format("{}", fmt::join(found.warnings, "; "));
+  return judged;
+}
+
+Judged judge(const RandomFit& one, std::size_t starts, double floor) {
   const double best = least_of_starts(one, starts);
   const FitResult found = fit(one.study);
   double least = std::numeric_limits<double>::infinity();
@@ -253,17 +347,13 @@ Judged judge(const RandomFit& one, std::size_t starts) {
   const double variance = best / freedom, tolerance = measured * uncertain * uncertain +
                                                       2.0 * std::sqrt(best * measured) * uncertain +
                                                       in_a_step * variance;
-  Judged judged;
+  Judged judged = against_truth(one, found, floor);
   judged.found = least - best <= tolerance + 1e-6 * variance;
   judged.excess = (least - best) / std::max(variance, 1e-4);
-  for (std::size_t k = 0; k < one.truth.size(); ++k) {
-    const auto& [key, estimate, deviation, bound] = found.parameters[k];
-    if (std::isnan(deviation)) continue;
-    judged.off = std::max(judged.off, std::abs(estimate - one.truth[k]) / std::max(deviation, 1e-3 * one.truth[k]));
-  }
-  judged.converged = found.converged;
-  judged.runs = found.runs;
   return judged;
 }
+
+// A hundredth of a deviation, 1e-4 of the largest value, is a residual that a fit does not look behind.
+Judged distance(const RandomFit& one) { return against_truth(one, fit(one.study), 1e-4); }
 
 }  // namespace viscobar::random_fits

@@ -19,18 +19,24 @@ struct RandomFit {
   double noise = 0.0;  ///< of the largest value of each column
   std::string words;   ///< description of the fit
 };
-RandomFit random_fit(std::uint64_t seed, std::size_t index);
+/// Columns and their origin: any of the ends, by the model itself; or one that jumps, by eight times the elements of a
+/// model of 12 to 60: forces are those of a joint between two bars.
+enum class Data { any, reactions, velocities, forces };
+RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data = Data::any);
 
 struct Judged {
   bool found = false;      ///< S is no larger than the least of plain searches from other starts
   bool converged = false;  ///< it says that it is to be relied on
   double excess = 0.0;     ///< S over that, in variances of the noise or of 1 % of the deviations
-  double off = 0.0;        ///< the largest distance of a parameter from the truth, in deviations told, or 0.1 % of it
+  double off = 0.0;        ///< the largest distance of a parameter from the truth, in deviations told; see `floor`
   std::size_t runs = 0;
+  std::string told;  ///< estimates with their deviations, and warnings
 };
 
 /// Compares fit() with MINPACK's Levenberg-Marquardt from the truth and from so many starts within a factor of ten of
-/// it.
-Judged judge(const RandomFit& fit, std::size_t starts = 20);
+/// it. A deviation counts as `floor` parts of the truth at least.
+Judged judge(const RandomFit& fit, std::size_t starts = 20, double floor = 1e-3);
+/// How far fit() is from the truth, where the data have another mesh; `found` is not asked.
+Judged distance(const RandomFit& fit);
 
 }  // namespace viscobar::random_fits

@@ -187,6 +187,23 @@ TEST(AccuracyOnRequest, ASceneThatNoMeshFollowsIsReportedAsSuchAndItsBestSolutio
   EXPECT_TRUE(result.recording.statistics.completed);
 }
 
+// Order 2 from an impact on: 1e-14 m wants some 400,000 elements. A half of the most that are tried is their least.
+TEST(AccuracyOnRequest, OutOfReachTheSolutionIsOnTheFinestMeshThatIsTried) {
+  for (const char* gap : {"left.gap=0.001", "left.gap=0.0005", "initial.velocity=-2"}) {
+    AccuracyStudy study = study_of(
+        "[bar]\nlength=1\ndensity=7800\nmodulus=2.1e11\nviscosity=1e4\n[left]\nkind=\"obstacle\"\ngap=0.001\n"
+        "[initial]\nvelocity=-1\n[time]\nend=0.003\n",
+        {gap, "accuracy.error=1e-14"});
+    study.most_elements = 2000;
+    const AccuracyResult result = solve(study);
+    EXPECT_FALSE(result.estimate.kept) << gap;
+    EXPECT_GT(2 * result.run.elements, study.most_elements) << gap;
+    EXPECT_NE(result.estimate.doubt.find(fmt::format("best that was reached, on {} elements", result.run.elements)),
+              std::string::npos)
+        << result.estimate.doubt;
+  }
+}
+
 // The runs for the estimate go beside the solution where there is a core for them.
 TEST(AccuracyOnRequest, DoesNotDependOnTheNumberOfThreads) {
   for (const char* viscosity : {"bar.viscosity=0.1", "bar.viscosity=0"}) {

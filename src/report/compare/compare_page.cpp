@@ -97,7 +97,8 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
     if (shown) figure.level(levels.front().u, {"var(--ink)", true, 1.2}, "obstacle");
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
     traces.draw(figure);
-    panels.push_back({fmt::format("{}-end", end.name), "Displacement over time by each method: " + axis, figure});
+    panels.push_back(
+        {fmt::format("displacement-{}", end.name), "Displacement over time by each method: " + axis, figure});
   }
   return {
       "Ends",

@@ -112,7 +112,8 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
   for_each_advice(result, number, [&](const std::string& methods, const std::string& advised) {
     out += fmt::format("{}: {}.\n", methods, advised);
   });
-  out += fmt::format("\n{}\nThe error is the {}.\n", reference_sentence(result, number), norm(result, number));
+  out += fmt::format("\n{}\nThe error is measured, where `run` and `check` estimate it: the {}.\n",
+                     reference_sentence(result, number), norm(result, number));
   out += fmt::format("\n{}", text(time_reference_table(result, number)));
   if (const auto lines = remarks(study, result, number); !lines.empty()) {
     out += "\n";

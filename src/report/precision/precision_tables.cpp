@@ -85,7 +85,7 @@ std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& resul
          return row.setting > 0.0 ? setting_text(row.method, row.setting, number) : row.label;
        }},
       Column<Row>{
-          "error", "error (max)", [](const Row& row) { return cell(row.error); },
+          "error", "error, measured", [](const Row& row) { return cell(row.error); },
           [=](const Row& row, const NumberText& number) { return measured(row.error, reference_error, number); }}
           .in(Dimension::length),
       {"seconds", "seconds", [=](const Row& row) { return unless_failed(row, row.seconds); }},

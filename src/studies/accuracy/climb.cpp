@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "case/run_cost.hpp"
@@ -162,25 +163,30 @@ std::size_t Plan::wanted_elements(const SpaceError& known, std::size_t from) con
 // Meshes are refined until the last one before the solution's promises that the solution keeps the request. Of order 2,
 // as on a span obstacle whose border moves from node to node, only a halved mesh is far enough to tell.
 void Plan::climb() {
-  std::size_t known = chosen_.elements;
+  std::size_t best = chosen_.elements;
   const Setting first = chosen_;
   runs_.most_seconds = study_.most_seconds;
   try {
-    climb_from(known);
+    climb_from(best);
   } catch (const TooLong&) {
     chosen_ = first;
-    chosen_.elements = known;
     doubt_ = fmt::format("meshes of more than {} elements take longer than {:.3g} s to try, and that one is too coarse",
-                         known, study_.most_seconds);
+                         best, study_.most_seconds);
+  }
+  if (!doubt_.empty()) {
+    chosen_.elements = best;
+    doubt_ += fmt::format("; the solution is the best that was reached, on {} elements", best);
   }
   runs_.most_seconds = RunLimits().seconds;
   looser_ = 1.0;
 }
 
-// `known`: the finest mesh that has been run.
-void Plan::climb_from(std::size_t& known) {
+// `best`: the mesh of the least error by four meshes, or the finest that has been run.
+void Plan::climb_from(std::size_t& best) {
   constexpr int most_rounds = 14;
+  std::size_t known = chosen_.elements;
   const double share = shares_.space;
+  double least = std::numeric_limits<double>::infinity();
   double before = 0.0;
   int stuck = 0;
   for (int round = 0; round < most_rounds; ++round) {
@@ -190,6 +196,9 @@ void Plan::climb_from(std::size_t& known) {
     if (steps.size() == 1 && seen_error(prolonged(steps, 2 * known, theory_)).error <= share * reachable_)
       steps = made_ladder(known, 3, &same);
     const SpaceError now = seen_error(steps);
+    const bool seen = same && steps.size() + 1 == most_rungs;
+    if (seen ? now.error <= least : std::isinf(least)) best = known;
+    if (seen) least = std::min(least, now.error);
     std::size_t next = same ? wanted_elements(now, known) : 2 * known;
     if (now.error <= share * reachable_ && same && next <= known) {
       chosen_.elements = next < known && begun_ ? known / 2 : known;  // the neighbour's mesh was far finer than needed
@@ -216,24 +225,22 @@ void Plan::climb_from(std::size_t& known) {
           "no mesh converges: runs on {} and {} elements are {:.2g} apart, no less than coarser ones; the scene "
           "multiplies a small change of its initial data by {:.2g}",
           steps.back().coarse, steps.back().fine, apart, magnification());
-      chosen_.elements = known;
       return;
     }
     const double order = std::clamp(now.order, 0.5, theory_);
     const double wanted = static_cast<double>(known) * std::pow(now.error / (share * reachable_), 1.0 / order);
-    if (!affordable(next) || (known >= telling && wanted > 20.0 * static_cast<double>(study_.most_elements))) {
+    if (!affordable(next)) next = 2 * known;
+    if (!affordable(next)) {
       doubt_ = fmt::format(
           "about {:.2g} elements would keep the error that was asked for, and {} are the most that "
           "are tried: the error falls with the power {:.2g} of the mesh here; the scene multiplies a "
           "small change of its initial data by {:.2g}",
           wanted, study_.most_elements, now.order, magnification());
-      chosen_.elements = known;
       return;
     }
     if (stepping_ || penalised_) settle(with_enough(std::max<std::size_t>(next / 4, 8)));
     known = next >= 3 * known ? next / 2 : 2 * known;
   }
-  chosen_.elements = known;
   doubt_ = "no mesh was found that keeps the error that was asked for";
 }
 

@@ -96,7 +96,7 @@ class Plan {
   std::size_t wanted_elements(const SpaceError& known, std::size_t from) const;
   void pilot();
   void climb();
-  void climb_from(std::size_t& known);
+  void climb_from(std::size_t& best);
 
   // The verdict: judge.cpp.
   // The mesh on which settings in time and penalty are compared, and how much coarser it may be.

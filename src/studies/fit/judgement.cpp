@@ -77,28 +77,51 @@ Case finer(Case run) {
   run.tolerance.relative = std::max(0.1 * run.tolerance.relative, 1e-13);
   if (run.tolerance.absolute) *run.tolerance.absolute *= 0.1;
   if (run.step) *run.step *= 0.5;
-  run.directions.clear();
   return run;
 }
 
-// How far the model's own error moves the parameters, counted in `scale`: what a finer run changes its values by, twice
-// for an error of order one, taken for data that are wrong by so much.
-Eigen::VectorXd model_error(Search& search, const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
-                            const Eigen::MatrixXd& inverse, FitResult& result) {
+// How far the model's own error moves the parameters, counted in `scale`, twice for an error of order one: what a finer
+// run changes its values by, taken for data that are wrong by so much; and, where samples jump, which a line does not
+// follow from one valley into the next, the way to the minimum of the finer model.
+struct ModelError {
+  Eigen::VectorXd linear, searched;
+};
+ModelError model_error(Search& search, const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
+                       const Eigen::MatrixXd& inverse, const Eigen::VectorXd& scale,
+                       const std::vector<Eigen::Index>& free, FitResult& result) {
+  constexpr std::size_t few_runs = 12;
+  const std::size_t runs_of_a_step = study.differences ? 1 + 2 * study.parameters.size() : 1;
+  ModelError error{Eigen::VectorXd::Zero(inverse.rows()), Eigen::VectorXd::Zero(inverse.rows())};
   try {
-    const Case run = finer(study.model({best.at.data(), static_cast<std::size_t>(best.at.size())}));
-    if (const auto found = faults(resolve(run)); !found.empty()) throw std::runtime_error(found.front().problem);
-    ++result.runs;
+    FitStudy of_finer = study;
+    of_finer.model = [&study](std::span<const double> values) { return finer(study.model(values)); };
+    if (const auto found = faults(resolve(of_finer.model({best.at.data(), static_cast<std::size_t>(best.at.size())})));
+        !found.empty())
+      throw std::runtime_error(found.front().problem);
+    Search further(of_finer, 1000 + 200 * best.misfit.steps);
     // A finer run has contact changes on the other side of a sample, which is no error of so much.
-    const Misfit fine = measure(study, run, Compared::samples, false, 1000 + 200 * best.misfit.steps);
+    const Misfit fine = further.at(best.at, Compared::samples, false);
+    if (!fine.sound) throw std::runtime_error(fine.error);
     const Misfit coarse = best.compared == Compared::exact ? search.at(best.at, Compared::samples, false) : best.misfit;
-    return 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
+    error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
+    if (search.jumps() || is_large(study, best.misfit)) {
+      // Samples as they are lead over the flat floors of those beside changes, unless one is on the wrong side.
+      const auto search_by = [&](Compared compared) {
+        return further.minimum_from(best.at, compared, few_runs * runs_of_a_step);
+      };
+      const Minimum plain = search_by(Compared::samples), exact = search.jumps() ? search_by(Compared::exact) : plain;
+      const Minimum& other = exact.misfit.sum() < plain.misfit.sum() ? exact : plain;
+      if (search.jumps() && other.misfit.sound)
+        error.searched = 2.0 * (other.at - best.at)(free).cwiseAbs().cwiseQuotient(scale(free));
+      result.finer_residual = residual_of(other.misfit, best.at.size());
+    }
+    result.runs += further.runs;
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception& error) {
-    result.warnings.push_back(fmt::format("the model's own error is not in the deviations: {}", error.what()));
-    return Eigen::VectorXd::Zero(inverse.rows());
+  } catch (const std::exception& problem) {
+    result.warnings.push_back(fmt::format("the model's own error is not in the deviations: {}", problem.what()));
   }
+  return error;
 }
 
 // Other values than the best that meet the data as well.
@@ -306,7 +329,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     }
     result.undetermined.push_back(std::move(lack));
   }
-  const Eigen::VectorXd moved = model_error(search, study, best, scaled, inverse, result);
+  const ModelError moved = model_error(search, study, best, scaled, inverse, scale, free, result);
   Eigen::VectorXd longer = Eigen::VectorXd::Ones(count);
   for (Eigen::Index a = 0; a < count; ++a) {
     const FittedParameter& parameter = study.parameters[free[a]];
@@ -320,7 +343,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
           std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
                     deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
     }
-    double error = std::min(1.0, longer(a)) * scale(free[a]) * moved(a);
+    double error = scale(free[a]) * std::max(std::min(1.0, longer(a)) * moved.linear(a), moved.searched(a));
     double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
     // A step of one deviation leaves the bounds, or what the parameter is large by.
     const bool far = deviation > std::min(0.5 * (parameter.high - parameter.low),
@@ -356,11 +379,15 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
 
 void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
   const std::size_t before = result.warnings.size();
-  if (is_large(study, best.misfit))
+  if (is_large(study, best.misfit)) {
+    const bool mesh = result.finer_residual < 0.5 * result.residual;
     result.warnings.push_back(
-        fmt::format("the model stays {:.3g} deviations away from the data: either it is not theirs, or these are not "
-                    "the values; other starts, bounds, or parameters that are held now may help",
-                    result.residual));
+        fmt::format("the model stays {:.3g} deviations away from the data", result.residual) +
+        (mesh ? fmt::format(", and {:.3g} on twice the elements: its mesh is too coarse for them; raise mesh.elements",
+                            result.finer_residual)
+              : ": either it is not theirs, or these are not the values; other starts, bounds, or parameters that are "
+                "held now may help"));
+  }
   for (const Minimum& other : found)
     if (is_another(other, best, result)) {
       std::string values;

@@ -216,7 +216,7 @@ bool leaves(const FittedParameter& parameter, double value, double step) {
 Misfit Search::at(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
   try {
     Misfit misfit = run(values, compared, derivatives && !study_.differences);
-    if (most_steps_ == unlimited) most_steps_ = 1000 + 50 * misfit.steps;
+    if (!most_steps_) most_steps_ = 1000 + 50 * misfit.steps;
     if (misfit.sound) tried.push_back({values, compared, misfit.sum()});
     // Where derivatives end, differences go on.
     if (derivatives && misfit.sound && (study_.differences || misfit.lost)) difference(values, compared, misfit);
@@ -259,7 +259,7 @@ Minimum Search::minimum_from(const Eigen::VectorXd& start, Compared first, std::
 Misfit Search::run(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
   ++runs;
   return measure(study_, study_.model({values.data(), static_cast<std::size_t>(values.size())}), compared, derivatives,
-                 most_steps_);
+                 most_steps_.value_or(first_steps_));
 }
 
 void Search::difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit) {

@@ -68,7 +68,9 @@ bool leaves(const FittedParameter& parameter, double value, double step);
 /// Levenberg's and Marquardt's descents of a study.
 class Search {
  public:
-  explicit Search(const FitStudy& study) : study_(study), n_(std::ssize(study.parameters)) {}
+  /// The first run takes so many steps at most.
+  explicit Search(const FitStudy& study, std::size_t most_steps = std::numeric_limits<std::size_t>::max())
+      : study_(study), n_(std::ssize(study.parameters)), first_steps_(most_steps) {}
 
   std::size_t runs = 0;
   std::optional<Eigen::Index> held;  ///< a parameter that no descent moves
@@ -93,15 +95,14 @@ class Search {
   double limited(Eigen::Index k, double from, double to) const;
 
  private:
-  static constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
-
   Misfit run(const Eigen::VectorXd& values, Compared compared, bool derivatives);
   void difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit);
   Minimum descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs);
 
   const FitStudy& study_;
   Eigen::Index n_;
-  std::size_t most_steps_ = unlimited;
+  std::size_t first_steps_;
+  std::optional<std::size_t> most_steps_;  // of all others
 };
 
 }  // namespace viscobar::fitting

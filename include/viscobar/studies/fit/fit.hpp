@@ -105,13 +105,15 @@ struct Undetermined {
 
 /// The result of a fit.
 struct FitResult {
-  std::vector<Estimate> parameters;         ///< n, in the order of the study
-  std::vector<double> model_errors;         ///< n: what mesh, steps and tolerances of the model may move each by
-  std::vector<double> covariance;           ///< n x n, with the squares of these; NaN where there is none
-  std::vector<double> correlation;          ///< n x n
-  std::vector<double> singular_values;      ///< of the Jacobian, parameters counted in their estimates; decreasing
-  std::vector<Undetermined> undetermined;   ///< those that count for nothing
-  double residual = 0.0;                    ///< (S / (m - n))^(1/2), m numbers measured
+  std::vector<Estimate> parameters;        ///< n, in the order of the study
+  std::vector<double> model_errors;        ///< n: what mesh, steps and tolerances of the model may move each by
+  std::vector<double> covariance;          ///< n x n, with the squares of these; NaN where there is none
+  std::vector<double> correlation;         ///< n x n
+  std::vector<double> singular_values;     ///< of the Jacobian, parameters counted in their estimates; decreasing
+  std::vector<Undetermined> undetermined;  ///< those that count for nothing
+  double residual = 0.0;                   ///< (S / (m - n))^(1/2), m numbers measured
+  /// Of the model on twice the elements, at its minimum near by; NaN where that was not looked for.
+  double finer_residual = std::numeric_limits<double>::quiet_NaN();
   std::size_t measured = 0;                 ///< m
   std::size_t freedom = 0;                  ///< m - n; 0: the deviations are those of the data as given
   std::size_t runs = 0;                     ///< of the model, all starts together
