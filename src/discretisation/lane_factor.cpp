@@ -7,30 +7,55 @@
 
 namespace viscobar {
 
-LaneFactor::LaneFactor(const BandedMatrix& matrix, double scale) : scale_(scale) {
-  find_order(matrix);
-  if (order_.rows == 0) {
-    condensed_ = matrix;
-    return;
+namespace {
+
+constexpr std::size_t fewest_rows = 3;  // fewer are not worth the interface
+
+using Run = LaneOrder::Run;
+
+// The runs of 16 lanes of so many rows, filled with the free nodes, which are given as [begin, end); empty: there are
+// too few. A node between two lanes stays in the interface.
+std::vector<Run> fill(const std::vector<std::pair<std::size_t, std::size_t>>& free, std::size_t rows) {
+  std::vector<Run> runs;
+  std::size_t lane = 0, row = 0;
+  for (auto [node, end] : free) {
+    while (node < end) {
+      const std::size_t count = std::min(end - node, rows - row);
+      runs.push_back({node, lane, row, count});
+      node += count + 1, row += count;
+      if (row < rows) break;
+      row = 0;
+      if (++lane == lane_count) return runs;
+    }
   }
-  const double d = matrix.diagonal[order_.first], e = matrix.off_diagonal[order_.first];
-  eliminate_inner(d, e);
-  condense(matrix, e);
+  return {};
+}
+
+}  // namespace
+
+LaneFactor::LaneFactor(const BandedMatrix& matrix, double scale) : scale_(scale) {
+  take_alike(matrix);
+  build(matrix, true);
+}
+
+LaneFactor::LaneFactor(const BandedMatrix& matrix, double scale, const std::vector<std::size_t>& kept) : scale_(scale) {
+  take_all(matrix, kept);
+  build(matrix, false);
 }
 
 LaneFactor LaneFactor::without_rows(const BandedMatrix& matrix) {
   LaneFactor factor;
-  factor.order_ = {matrix.size()};
+  factor.order_.size = matrix.size();
   factor.condensed_ = matrix;
   return factor;
 }
 
 // Rows that are alike, with what couples them to their neighbours, divided evenly; the rest goes to the ends.
-void LaneFactor::find_order(const BandedMatrix& matrix) {
+void LaneFactor::take_alike(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
-  order_ = {n};
-  constexpr std::size_t fewest_rows = 4;  // fewer are not worth the interface
-  if (n < fewest_rows * lane_count + 2 || matrix.off_diagonal.empty()) return;
+  order_.size = n;
+  constexpr std::size_t fewest = (fewest_rows + 1) * lane_count;
+  if (n < fewest + 2 || matrix.off_diagonal.empty()) return;
   const auto& diagonal = matrix.diagonal;
   const auto& off = matrix.off_diagonal;
   const std::size_t middle = n / 2;
@@ -42,53 +67,151 @@ void LaneFactor::find_order(const BandedMatrix& matrix) {
   while (end + 1 < n && alike(end)) ++end;
   if (!matrix.one_sided.empty())
     begin = std::max<std::size_t>(begin, 3), end = std::min(end, n - 3);  // their entries stay
-  if (end < begin + fewest_rows * lane_count) return;
+  if (end < begin + fewest) return;
   const std::size_t rest = (end - begin) % lane_count;
   order_.first = begin + rest / 2;
-  order_.rows = (end - begin) / lane_count;
-  order_.last = n - order_.first - order_.rows * lane_count;
+  order_.rows = (end - begin) / lane_count - 1;
+  order_.runs = fill({{order_.first, end}}, order_.rows);
 }
 
-void LaneFactor::eliminate_inner(double d, double e) {
-  const std::size_t m = order_.rows - 1;
+// As many rows as there are 16 lanes of; more than a third of the nodes in the interface is not worth it.
+void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept) {
+  const std::size_t n = matrix.size();
+  order_.size = n;
+  if (n < fewest_rows * lane_count || matrix.off_diagonal.empty() || !matrix.skew.empty()) return;
+  std::vector<bool> stays(n, false);
+  stays[0] = stays[n - 2] = stays[n - 1] = true;
+  for (const std::size_t node : kept) stays[node] = true;
+  for (const OneSidedRow& one : matrix.one_sided)
+    for (std::size_t k = 0; k < 3; ++k) stays[one.column(k)] = true;
+  std::vector<std::pair<std::size_t, std::size_t>> free;
+  for (std::size_t i = 1; i < n; ++i) {
+    if (stays[i]) continue;
+    if (stays[i - 1]) free.push_back({i, i});
+    free.back().second = i + 1;
+  }
+  std::vector<Run> runs;
+  std::size_t rows = n / lane_count;
+  while (rows >= fewest_rows && (runs = fill(free, rows)).empty()) --rows;
+  if (runs.empty() || 3 * rows * lane_count < 2 * n) return;
+  order_.first = runs.front().node;
+  order_.rows = rows;
+  order_.runs = std::move(runs);
+}
+
+LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& lower,
+                                            auto&& inverse_pivot, auto&& from_left) const {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
-  const double negligible = std::abs(e) * std::pow(std::numeric_limits<double>::epsilon(), 2);
-  lower_.assign(m + 1, 0.0);
-  scaled_inverse_pivot_.resize(m);
-  double pivot = d, influence = -e;
-  for (std::size_t k = 0; k < m; ++k) {
+  const double negligible = std::pow(std::numeric_limits<double>::epsilon(), 2);
+  Reach reach{};
+  double influence = 1.0, before = 0.0;
+  for (std::size_t k = 0; k < run.count; ++k) {
+    const std::size_t i = run.node + k;
+    double pivot = matrix.diagonal[i];
     if (k > 0) {
-      pivot = d - lower_[k] * e;
-      influence *= -lower_[k];
+      pivot -= before * matrix.off_diagonal[i - 1];
+      influence *= -before;
     }
     if (!(pivot > 0.0)) throw std::domain_error("tridiagonal matrix is not positive definite");
-    scaled_inverse_pivot_[k] = scale_ / pivot;
-    lower_[k + 1] = e / pivot;
-    if (reach_ == k && std::abs(influence) > negligible) {
-      from_left_.push_back(influence / pivot);
-      ++reach_;
-    }
+    inverse_pivot(k) = scale_ / pivot;
+    before = matrix.off_diagonal[i] / pivot;
+    lower(k + 1) = before;
+    if (reach.rows < k || !(std::abs(influence) > negligible)) continue;
+    ++reach.rows;
+    from_left(k) = influence / pivot;
+    reach.corner += influence * (influence / pivot);
+    if (k + 1 == run.count) reach.through = influence / pivot;
   }
+  reach.last_lower = before;
+  return reach;
 }
 
-void LaneFactor::condense(const BandedMatrix& matrix, double e) {
-  const std::size_t first = order_.first, separators_end = first + lane_count, n = separators_end + order_.last;
-  const std::size_t m = inner_rows(), skipped = matrix.size() - n;
-  const double end_pull = e * lower_[m];                             // e^2 (T^{-1})_{00}
-  const double through = reach_ == m ? e * from_left_[m - 1] : 0.0;  // -e^2 (T^{-1})_{0,m-1}
-  condensed_.diagonal.resize(n);
-  condensed_.off_diagonal.resize(n - 1);
+void LaneFactor::build(const BandedMatrix& matrix, bool alike) {
+  if (order_.rows == 0) {
+    condensed_ = matrix;
+    return;
+  }
+  std::vector<Reach> reach;
+  const auto resize = [&]<class C>(Rows<C>& of) {
+    of.lower.assign(order_.rows + 1, C(0.0));
+    of.scaled_inverse_pivot.assign(order_.rows, C(0.0));
+    of.from_left.assign(order_.rows, C(0.0));
+  };
+  if (alike) {
+    resize(alike_);
+    const auto of = [](std::vector<double>& values) {
+      return [&values](std::size_t k) -> double& { return values[k]; };
+    };
+    reach.assign(order_.runs.size(), eliminate_run(matrix, order_.runs.front(), of(alike_.lower),
+                                                   of(alike_.scaled_inverse_pivot), of(alike_.from_left)));
+  } else {
+    resize(unlike_);
+    for (const Run& run : order_.runs) {
+      const auto of = [&run](std::vector<Lanes>& values) {
+        return [&run, begin = reinterpret_cast<double*>(values.data())](std::size_t k) -> double& {
+          return begin[(run.begin + k) * lane_count + run.lane];
+        };
+      };
+      reach.push_back(
+          eliminate_run(matrix, run, of(unlike_.lower), of(unlike_.scaled_inverse_pivot), of(unlike_.from_left)));
+    }
+  }
+  cut(matrix, reach);
+
+  const std::size_t n = order_.interface_size();
+  condensed_.diagonal.clear(), condensed_.off_diagonal.clear();
   condensed_.one_sided = matrix.one_sided;
-  for (OneSidedRow& one : condensed_.one_sided)
-    if (one.row > 0) one.row = n - 1;
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t row = i < first ? i : i < separators_end ? first : i + skipped;
-    condensed_.diagonal[i] = matrix.diagonal[row];
-    if (i + 1 >= first && i + 1 < separators_end) condensed_.diagonal[i] -= end_pull;
-    if (i >= first && i < separators_end) condensed_.diagonal[i] -= end_pull;
-    if (i + 1 == n) break;
-    const bool between = i + 1 >= first && i + 1 < separators_end;  // two separators, or the first and its neighbour
-    condensed_.off_diagonal[i] = between ? through : matrix.off_diagonal[i < first ? i : i + skipped];
+  for (OneSidedRow& one : condensed_.one_sided) one.row = order_.interface_index(one.row);
+  std::size_t node = 0;
+  const auto take_up_to = [&](std::size_t end) {
+    for (; node < end; ++node) {
+      condensed_.diagonal.push_back(matrix.diagonal[node]);
+      if (condensed_.diagonal.size() < n) condensed_.off_diagonal.push_back(matrix.off_diagonal[node]);
+    }
+  };
+  double pulled = 0.0;  // from the diagonal of the node behind the last run
+  for (std::size_t r = 0; r < order_.runs.size(); ++r) {
+    const Run& run = order_.runs[r];
+    const std::size_t behind = condensed_.diagonal.size();
+    take_up_to(run.node);
+    condensed_.diagonal[behind] -= pulled;
+    const double left = matrix.off_diagonal[run.node - 1], right = matrix.off_diagonal[run.node_behind() - 1];
+    condensed_.diagonal.back() -= left * left * reach[r].corner;
+    condensed_.off_diagonal.back() = -left * right * reach[r].through;
+    pulled = right * reach[r].last_lower;
+    node = run.node_behind();
+  }
+  const std::size_t behind = condensed_.diagonal.size();
+  take_up_to(matrix.size());
+  condensed_.diagonal[behind] -= pulled;
+}
+
+// Into rows that are swept alike.
+void LaneFactor::cut(const BandedMatrix& matrix, const std::vector<Reach>& reach) {
+  const auto& runs = order_.runs;
+  std::vector<std::size_t> ends;
+  for (std::size_t r = 0; r < runs.size(); ++r)
+    for (const std::size_t row : {runs[r].begin + reach[r].rows, runs[r].end()})
+      if (row > 0) ends.push_back(row);
+  std::ranges::sort(ends);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  pieces_.clear();
+  std::size_t begin = 0;
+  for (const std::size_t end : ends) {
+    Piece piece{end, false, {}};
+    for (std::size_t r = 0; r < runs.size(); ++r)
+      piece.felt |= runs[r].begin <= begin && begin < runs[r].begin + reach[r].rows;
+    pieces_.push_back(std::move(piece));
+    begin = end;
+  }
+  for (std::size_t r = 0, left = order_.first - 1; r < runs.size(); ++r) {
+    const Run& run = runs[r];
+    const Ends ends_of{run.lane, left, left + 1, matrix.off_diagonal[run.node - 1]};
+    if (r + 1 < runs.size()) left += runs[r + 1].node - run.node_behind();
+    if (run.end() == order_.rows)
+      last_[run.lane] = ends_of;
+    else
+      std::ranges::find(pieces_, run.end(), &Piece::end)->ended.push_back(ends_of);
   }
 }
 

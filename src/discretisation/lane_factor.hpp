@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <experimental/simd>
@@ -17,35 +18,86 @@ constexpr std::size_t lane_count = Lanes::size();
 inline Lanes load_lanes(const double* x) { return Lanes(x, std::experimental::element_aligned); }
 inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::experimental::element_aligned); }
 
-/// An order of the nodes of a bar in which 16 stretches of equal length lie side by side,
-///
-///     first nodes | row 0 of all stretches | row 1 of all | ... | last nodes,
-///
-/// so that what is done to a stretch node by node is done to all of them at once. Node first + l rows + k is stored at
-/// first + 16 k + l. Without rows, as on a short bar, it is the order of the nodes itself. The nodes next to the border
-/// of the stretches are stored next to it, so the first two and the last two nodes of a bar are where they always are,
-/// three where a matrix has end rows.
-struct LaneOrder {
-  std::size_t first = 0, rows = 0, last = 0;
+/// Changes lanes one by one: `change` is given them as an array.
+[[gnu::always_inline]] inline void change_lanes(Lanes& lanes, auto&& change) {
+  std::array<double, lane_count> values;
+  store_lanes(lanes, values.data());
+  change(values);
+  lanes = load_lanes(values.data());
+}
 
-  std::size_t size() const { return first + rows * lane_count + last; }
+/// An order of the nodes of a chain of bars in which 16 lanes of equally many nodes lie side by side,
+///
+///     first nodes | row 0 of all lanes | row 1 of all | ... | other nodes,
+///
+/// so that what is done to a lane node by node is done to all of them at once. The first and the other nodes are the
+/// *interface*, in the order of the nodes. A lane is a *run* of neighbours, or several runs where nodes of the
+/// interface lie between, as at joints; row k of lane l is stored at first + 16 k + l. Without rows, as on a short bar,
+/// it is the order of the nodes itself. The first two and the last two nodes are where they always are, three where a
+/// matrix has end rows.
+struct LaneOrder {
+  /// Neighbours in a lane, from row `begin` on.
+  struct Run {
+    std::size_t node, lane, begin, count;
+    std::size_t end() const { return begin + count; }         ///< row behind it
+    std::size_t node_behind() const { return node + count; }  ///< of the interface, as the one before it
+  };
+
+  std::size_t size = 0;  ///< nodes
+  std::size_t first = 0, rows = 0;
+  std::vector<Run> runs{};  ///< rising
+
   std::size_t row(std::size_t k) const { return first + k * lane_count; }  ///< where row k begins
+  std::size_t interface_size() const { return size - rows * lane_count; }  ///< nodes in no lane
+  /// Where node i of the interface is stored.
+  std::size_t stored(std::size_t i) const { return i < first || rows == 0 ? i : i + rows * lane_count; }
+  /// Which of the interface's nodes one of them is.
+  std::size_t interface_index(std::size_t node) const {
+    std::size_t inner = 0;
+    for (const Run& run : runs) inner += run.node < node ? run.count : 0;
+    return node - inner;
+  }
+  /// Where a node is stored.
+  std::size_t place(std::size_t node) const {
+    for (const Run& run : runs)
+      if (run.node <= node && node < run.node_behind()) return row(run.begin + node - run.node) + run.lane;
+    return stored(interface_index(node));
+  }
 
   /// out[node] = value(where the node is stored)
   template <class Value>
   void to_nodes(Value&& value, std::span<double> out) const {
-    for (std::size_t i = 0; i < first; ++i) out[i] = value(i);
-    for (std::size_t l = 0; l < lane_count; ++l)
-      for (std::size_t k = 0; k < rows; ++k) out[first + l * rows + k] = value(row(k) + l);
-    for (std::size_t i = size() - last; i < size(); ++i) out[i] = value(i);
+    each_of_interface([&](std::size_t node, std::size_t at) { out[node] = value(at); });
+    for (const Run& run : runs)
+      for (std::size_t k = 0; k < run.count; ++k) out[run.node + k] = value(row(run.begin + k) + run.lane);
   }
 
   /// The values of the nodes in this order.
   void from_nodes(std::span<const double> nodal, std::span<double> out) const {
-    for (std::size_t i = 0; i < first; ++i) out[i] = nodal[i];
+    each_of_interface([&](std::size_t node, std::size_t at) { out[at] = nodal[node]; });
+    if (runs.size() != lane_count) {
+      for (const Run& run : runs) {
+        const double* const from = &nodal[run.node];
+        double* const to = &out[row(run.begin) + run.lane];
+        std::size_t k = 0;
+        for (; k + 4 <= run.count; k += 4)
+          for (const std::size_t j : {k, k + 1, k + 2, k + 3}) to[j * lane_count] = from[j];
+        for (; k < run.count; ++k) to[k * lane_count] = from[k];
+      }
+      return;
+    }
     for (std::size_t k = 0; k < rows; ++k)
-      for (std::size_t l = 0; l < lane_count; ++l) out[row(k) + l] = nodal[first + l * rows + k];
-    for (std::size_t i = size() - last; i < size(); ++i) out[i] = nodal[i];
+      for (std::size_t l = 0; l < lane_count; ++l) out[row(k) + l] = nodal[runs[l].node + k];
+  }
+
+ private:
+  void each_of_interface(auto&& use) const {
+    std::size_t node = 0, i = 0;
+    for (const Run& run : runs) {
+      for (; node < run.node; ++node, ++i) use(node, stored(i));
+      node = run.node_behind();
+    }
+    for (; node < size; ++node, ++i) use(node, stored(i));
   }
 };
 
@@ -53,7 +105,7 @@ struct LaneOrder {
 /// different places of a page: a processor that takes a load for a store a page apart would wait for it.
 class LaneFields {
  public:
-  LaneFields(const LaneOrder& order, std::size_t count) : size_(order.size()) {
+  LaneFields(const LaneOrder& order, std::size_t count) : size_(order.size) {
     constexpr std::size_t line = 64 / sizeof(double), page = 4096 / sizeof(double), apart = page / 8 + line;
     stride_ = (size_ + page - 1) / page * page + apart;
     block_.resize(count * stride_ + 2 * line);
@@ -70,24 +122,26 @@ class LaneFields {
   std::vector<double> block_;
 };
 
-/// A x = b for a symmetric positive definite tridiagonal matrix whose rows are alike but for some at either end, as
-/// those of a uniform bar are, by substructuring. The last row of each of the 16 stretches of LaneOrder is a
-/// *separator*; with the first and last nodes the separators are the *interface* (in the order of the nodes). What lies
-/// between two of them is one and the same m x m matrix T = tridiag(e, d, e) for all stretches, and is eliminated:
+/// A x = b for a positive definite tridiagonal matrix that is symmetric but for one-sided rows, by substructuring. A
+/// run of LaneOrder is coupled to the nodes of the interface beside it by e_left and e_right. Its m rows T are
+/// eliminated:
 ///
-///     T = L D L^T,    y = L^{-1} b,    w = 1 / D,    l_{k+1} = e w_k,    g = -e D^{-1} L^{-1} e_0,
-///     (condensed matrix) x_interface = b_interface + (g.y to the left, -l_m y_{m-1} to the right of each stretch),
-///     x_k = w_k y_k + g_k x_left - l_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
+///     T = L D L^T,    y = L^{-1} b,    w = 1 / D,    l_{k+1} = T_{k,k+1} w_k,    g = D^{-1} L^{-1} e_0,
+///     (condensed matrix) x_interface = b_interface - (e_left g.y to the left, l_m y_{m-1} to the right of each run),
+///     x_k = w_k y_k - g_k (e_left x_left) - l_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
 ///
-/// So each sweep is one recurrence for 16 stretches, its coefficients are three numbers a row, and an end that is bound
-/// by an obstacle stays in the small condensed system. So do the end rows of a matrix that has them. All arrays are in
-/// the order of order().
+/// So each sweep is one recurrence for 16 lanes. Where rows are alike but for some at either end, as those of a uniform
+/// bar are, its coefficients are three numbers a row, else three a node. What is bound by an obstacle stays in the
+/// small condensed system. So do one-sided rows and their columns. All arrays are in the order of order().
 class LaneFactor {
  public:
   LaneFactor() = default;
+  /// Of a bar whose rows are alike but for some at its ends.
   /// @throws std::domain_error when the matrix is not positive definite
   explicit LaneFactor(const BandedMatrix& matrix, double scale = 1.0);
-  /// For a matrix whose rows are not alike: all of it is the interface.
+  /// Of any rows; `kept` nodes stay in the interface.
+  LaneFactor(const BandedMatrix& matrix, double scale, const std::vector<std::size_t>& kept);
+  /// All of the matrix is the interface.
   static LaneFactor without_rows(const BandedMatrix& matrix);
 
   const LaneOrder& order() const { return order_; }
@@ -99,60 +153,146 @@ class LaneFactor {
   template <class Row>
   void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
     if (order_.rows == 0) return;
-    // Copies, since a store of lanes may alias anything.
-    const double *lower = lower_.data(), *from_left = from_left_.data();
-    const std::size_t reach = reach_, m = inner_rows();
-    double* row = &y[order_.row(0)];
-    Lanes eliminated = 0.0, pull = 0.0;
-    for (std::size_t k = 0; k < reach; ++k, row += lane_count) {
-      eliminated = right(k) - lower[k] * eliminated;
-      pull += from_left[k] * eliminated;
-      store_lanes(eliminated, row);
-    }
-    for (std::size_t k = reach; k < m; ++k, row += lane_count) {
-      eliminated = right(k) - lower[k] * eliminated;
-      store_lanes(eliminated, row);
-    }
-    double* left = &interface[order_.first - 1];
-    store_lanes(load_lanes(left) + scale_ * pull, left);
-    store_lanes(load_lanes(left + 1) - scale_ * lower[m] * eliminated, left + 1);
+    if (unlike_.lower.empty())
+      eliminate_by(alike_, right, y, interface);
+    else
+      eliminate_by(unlike_, right, y, interface);
   }
 
   /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
   template <class Row>
   void substitute(std::span<const double> interface, std::span<const double> y, Row&& use) const {
     if (order_.rows == 0) return;
-    const double *lower = lower_.data() + 1, *inverse_pivot = scaled_inverse_pivot_.data(),
-                 *from_left = from_left_.data();
-    const std::size_t reach = reach_;
-    const double* rows = &y[order_.row(0)];
-    const Lanes left = load_lanes(&interface[order_.first - 1]);
-    Lanes x = load_lanes(&interface[order_.first]);
-    std::size_t k = inner_rows();
-    while (k > reach) {
-      --k;
-      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - lower[k] * x;
-      use(k, x);
+    if (unlike_.lower.empty())
+      substitute_by(alike_, interface, y, use);
+    else
+      substitute_by(unlike_, interface, y, use);
+  }
+
+ private:
+  template <class Coefficient>
+  struct Rows {
+    std::vector<Coefficient> lower, scaled_inverse_pivot, from_left;  // l_0 = 0, ..., l_m; scale w; g
+  };
+  // A run, its neighbours in the interface and what couples it to the left one.
+  struct Ends {
+    std::size_t lane = 0, left = 0, right = 0;
+    double coupling = 0.0;
+  };
+  // Rows up to `end`, in which no run begins: which feel a left neighbour at all.
+  struct Piece {
+    std::size_t end;
+    bool felt;
+    std::vector<Ends> ended;  // runs that end with it, but for the last of each lane
+  };
+  struct Reach {
+    std::size_t rows;
+    double corner, last_lower, through;  // (T^{-1})_{00}, l_m, (T^{-1})_{m-1,0}
+  };
+
+  void take_alike(const BandedMatrix& matrix);
+  void take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept);
+  void build(const BandedMatrix& matrix, bool alike);
+  Reach eliminate_run(const BandedMatrix& matrix, const LaneOrder::Run& run, auto&& lower, auto&& inverse_pivot,
+                      auto&& from_left) const;
+  void cut(const BandedMatrix& matrix, const std::vector<Reach>& reach);
+
+  // Calls that lanes pass through cost more than their arithmetic: all are inlined.
+  template <class C, class Row>
+  [[gnu::flatten]] void eliminate_by(const Rows<C>& of, Row&& right, std::span<double> y,
+                                     std::span<double> interface) const {
+    // Copies, since a store of lanes may alias anything.
+    const C *lower = of.lower.data(), *from_left = of.from_left.data();
+    double* row = &y[order_.row(0)];
+    Lanes eliminated = 0.0, pull = 0.0;
+    std::size_t k = 0;
+    for (const Piece& piece : pieces_) {
+      const std::size_t end = piece.end;
+      if (piece.felt) {
+        for (; k < end; ++k, row += lane_count) {
+          eliminated = right(k) - lower[k] * eliminated;
+          pull += from_left[k] * eliminated;
+          store_lanes(eliminated, row);
+        }
+      } else {
+        for (; k < end; ++k, row += lane_count) {
+          eliminated = right(k) - lower[k] * eliminated;
+          store_lanes(eliminated, row);
+        }
+      }
+      if constexpr (std::is_same_v<C, Lanes>) {
+        if (piece.ended.empty()) continue;
+        const Lanes to_right = scale_ * lower[k] * eliminated;
+        change_lanes(pull, [&](auto& pulls) {
+          change_lanes(eliminated, [&](auto& values) {
+            for (const Ends& run : piece.ended) {
+              interface[run.left] -= scale_ * run.coupling * pulls[run.lane];
+              interface[run.right] -= to_right[run.lane];
+              pulls[run.lane] = values[run.lane] = 0.0;
+            }
+          });
+        });
+      }
     }
-    while (k > 0) {
-      --k;
-      x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
-      use(k, x);
+    if constexpr (std::is_same_v<C, double>) {
+      double* left = &interface[order_.first - 1];
+      store_lanes(load_lanes(left) - scale_ * last_[0].coupling * pull, left);
+      store_lanes(load_lanes(left + 1) - scale_ * lower[k] * eliminated, left + 1);
+    } else {
+      const Lanes to_right = scale_ * lower[k] * eliminated;
+      for (const Ends& run : last_) {
+        interface[run.left] -= scale_ * run.coupling * pull[run.lane];
+        interface[run.right] -= to_right[run.lane];
+      }
     }
   }
 
-  /// m, rows without the separators.
-  std::size_t inner_rows() const { return scaled_inverse_pivot_.size(); }
-
- private:
-  void find_order(const BandedMatrix& matrix);
-  void eliminate_inner(double d, double e);
-  void condense(const BandedMatrix& matrix, double e);
+  template <class C, class Row>
+  [[gnu::flatten]] void substitute_by(const Rows<C>& of, std::span<const double> interface, std::span<const double> y,
+                                      Row&& use) const {
+    const C *lower = of.lower.data() + 1, *inverse_pivot = of.scaled_inverse_pivot.data(),
+            *from_left = of.from_left.data();
+    const double* rows = &y[order_.row(0)];
+    Lanes left, x;
+    const auto enter = [&](std::span<const Ends> runs) {
+      change_lanes(left, [&](auto& lefts) {
+        change_lanes(x, [&](auto& values) {
+          for (const Ends& run : runs)
+            lefts[run.lane] = run.coupling * interface[run.left], values[run.lane] = interface[run.right];
+        });
+      });
+    };
+    if constexpr (std::is_same_v<C, double>)
+      left = last_[0].coupling * load_lanes(&interface[order_.first - 1]), x = load_lanes(&interface[order_.first]);
+    else
+      left = x = 0.0, enter(last_);
+    std::size_t k = order_.rows;
+    for (std::size_t p = pieces_.size(); p-- > 0;) {
+      const Piece& piece = pieces_[p];
+      const std::size_t begin = p > 0 ? pieces_[p - 1].end : 0;
+      if (std::is_same_v<C, Lanes> && !piece.ended.empty()) enter(piece.ended);
+      if (piece.felt) {
+        while (k > begin) {
+          --k;
+          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - from_left[k] * left - lower[k] * x;
+          use(k, x);
+        }
+      } else {
+        while (k > begin) {
+          --k;
+          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - lower[k] * x;
+          use(k, x);
+        }
+      }
+    }
+  }
 
   LaneOrder order_;
   double scale_ = 1.0;
-  std::vector<double> lower_, scaled_inverse_pivot_, from_left_;  // l_0 = 0, ..., l_m; scale w; g
-  std::size_t reach_ = 0;                                         // rows that feel their left neighbour at all
+  Rows<double> alike_;
+  Rows<Lanes> unlike_;
+  std::vector<Piece> pieces_;
+  std::array<Ends, lane_count> last_{};  // the last run of each lane
   BandedMatrix condensed_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace viscobar {
 
@@ -13,16 +14,26 @@ EndConstraint::EndConstraint(const BandedMatrix& matrix, const std::vector<Bound
     column[at.entry] = at.sign;
     if (at.joint) column[at.entry - 1] = -1.0;
     factor_.solve(column);
-    columns_.push_back({at, std::move(column)});
+    // Below the rounding of rounding an entry adds nothing; those of bars that nothing couples are zero.
+    double largest = 0.0;
+    for (const double value : column) largest = std::max(largest, std::abs(value));
+    const double negligible = largest * std::pow(std::numeric_limits<double>::epsilon(), 2);
+    const auto counts = [=](double value) { return std::abs(value) > negligible; };
+    const auto begin = std::ranges::find_if(column, counts) - column.begin();
+    const auto behind = std::find_if(column.rbegin(), column.rend(), counts) - column.rbegin();
+    const std::size_t end = column.size() - static_cast<std::size_t>(behind);
+    columns_.push_back({at, std::move(column), static_cast<std::size_t>(begin), end});
   }
   const std::size_t count = columns_.size();
   if (count <= 2) return;
   for (const Column& row : columns_)
     for (const Column& column : columns_) compliance_.push_back(row.of(column.values));
   rows_.resize(count * count);
+  inverse_.resize(count * count);
   lambda_.resize(count);
   excess_.resize(count);
   held_.reserve(count);
+  before_.reserve(count);
 }
 
 // On its bound bitwise.
@@ -31,52 +42,56 @@ void EndConstraint::put_on(const Column& column, double bound, std::span<double>
   x[entry] = joint ? x[entry - 1] + bound : sign * bound;
 }
 
-// Multipliers of the entries held: their rows of the compliance, eliminated with partial pivoting, in place, since a
-// step allocates nothing.
-void EndConstraint::solve_held() {
+// Inverts the rows of the compliance that are held, by elimination with partial pivoting in place, since a step
+// allocates nothing. Neighbouring steps hold the same.
+void EndConstraint::invert_held() {
   const std::size_t count = columns_.size(), held = held_.size();
-  for (std::size_t i = 0; i < held; ++i) {
-    for (std::size_t j = 0; j < held; ++j) rows_[i * count + j] = compliance_[held_[i] * count + held_[j]];
-    lambda_[i] = -excess_[held_[i]];
-  }
   const auto row = [&](std::size_t i) { return &rows_[i * count]; };
+  const auto inverse = [&](std::size_t i) { return &inverse_[i * count]; };
+  for (std::size_t i = 0; i < held; ++i)
+    for (std::size_t j = 0; j < held; ++j) {
+      row(i)[j] = compliance_[held_[i] * count + held_[j]];
+      inverse(i)[j] = i == j;
+    }
   for (std::size_t k = 0; k < held; ++k) {
     std::size_t pivot = k;
     for (std::size_t i = k + 1; i < held; ++i)
       if (std::abs(row(i)[k]) > std::abs(row(pivot)[k])) pivot = i;
-    std::swap_ranges(row(k) + k, row(k) + held, row(pivot) + k);
-    std::swap(lambda_[k], lambda_[pivot]);
-    for (std::size_t i = k + 1; i < held; ++i) {
-      const double factor = row(i)[k] / row(k)[k];
+    std::swap_ranges(row(k), row(k) + held, row(pivot));
+    std::swap_ranges(inverse(k), inverse(k) + held, inverse(pivot));
+    for (std::size_t i = 0; i < held; ++i) {
+      const double factor = i == k ? 0.0 : row(i)[k] / row(k)[k];
       if (factor == 0.0) continue;
-      for (std::size_t j = k + 1; j < held; ++j) row(i)[j] -= factor * row(k)[j];
-      lambda_[i] -= factor * lambda_[k];
+      for (std::size_t j = k; j < held; ++j) row(i)[j] -= factor * row(k)[j];
+      for (std::size_t j = 0; j < held; ++j) inverse(i)[j] -= factor * inverse(k)[j];
     }
   }
-  for (std::size_t k = held; k-- > 0;) {
-    for (std::size_t j = k + 1; j < held; ++j) lambda_[k] -= row(k)[j] * lambda_[j];
-    lambda_[k] /= row(k)[k];
+  for (std::size_t i = 0; i < held; ++i) {
+    const double pivot = row(i)[i];
+    for (std::size_t j = 0; j < held; ++j) inverse(i)[j] /= pivot;
   }
 }
 
-// Begins with what lies beyond its bound; where many changes at once do not end, the first that is wrong alone, which
-// does.
+// Begins with those that were held; where many changes at once do not end, the first that is wrong alone, which does.
+// What is held without force is not held, so that the answer does not depend on where it begins.
 void EndConstraint::solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier) {
   const std::size_t count = columns_.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    excess_[k] = columns_[k].of(x) - bound[k];  // infinite without a bound
-    active_[k] = excess_[k] < 0.0;
-  }
+  for (std::size_t k = 0; k < count; ++k) excess_[k] = columns_[k].of(x) - bound[k];  // infinite without a bound
   for (std::size_t pivots = 0;; ++pivots) {
+    std::swap(held_, before_);
     held_.clear();
     for (std::size_t k = 0; k < count; ++k)
       if (active_[k]) held_.push_back(k);
-    solve_held();
+    if (held_ != before_) invert_held();
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      lambda_[i] = 0.0;
+      for (std::size_t j = 0; j < held_.size(); ++j) lambda_[i] -= inverse_[i * count + j] * excess_[held_[j]];
+    }
     bool changed = false;
     for (std::size_t k = 0, i = 0; k < count && pivots < 50 * count; ++k) {
       bool wrong;
       if (active_[k]) {
-        wrong = lambda_[i++] < 0.0;
+        wrong = !(lambda_[i++] > 0.0);
       } else {
         double clear = excess_[k];
         for (std::size_t j = 0; j < held_.size(); ++j) clear += lambda_[j] * compliance_[k * count + held_[j]];
@@ -91,12 +106,12 @@ void EndConstraint::solve_many(std::span<double> x, std::span<const double> boun
   }
   std::ranges::fill(multiplier, 0.0);
   for (std::size_t i = 0; i < held_.size(); ++i) {
-    const std::size_t k = held_[i];
-    multiplier[k] = std::max(lambda_[i], 0.0);
-    const double lambda = lambda_[i], *column = columns_[k].values.data();
+    const Column& column = columns_[held_[i]];
+    multiplier[held_[i]] = std::max(lambda_[i], 0.0);
+    const double lambda = lambda_[i], *of = column.values.data();
     double* const values = x.data();
 #pragma GCC ivdep
-    for (std::size_t j = 0; j < x.size(); ++j) values[j] += lambda * column[j];
+    for (std::size_t j = column.begin; j < column.end; ++j) values[j] += lambda * of[j];
   }
   for (const std::size_t k : held_) put_on(columns_[k], bound[k], x);
 }

@@ -33,6 +33,11 @@ class EndConstraint {
   /// `bound` and `multiplier` have one value an entry X; without a bound it is -infinity.
   void solve(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
+  /// Goes on as after a solution that had these multipliers.
+  void restored(std::span<const double> multiplier) {
+    for (std::size_t k = 0; k < active_.size(); ++k) active_[k] = multiplier[k] > 0.0;
+  }
+
   /// 1 where the last solution is held by its bound.
   std::span<const unsigned char> active() const { return active_; }
 
@@ -40,21 +45,22 @@ class EndConstraint {
   struct Column {
     Bounded at;
     std::vector<double> values;  // A^{-1} s e_entry
+    std::size_t begin = 0, end;  // of those that are not negligible
     double of(std::span<const double> x) const {
       return at.joint ? x[at.entry] - x[at.entry - 1] : at.sign * x[at.entry];
     }
   };
 
   void put_on(const Column& column, double bound, std::span<double> x) const;
-  void solve_held();
+  void invert_held();
   void solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier);
 
   TridiagonalFactor factor_;
   std::vector<Column> columns_;
   std::vector<unsigned char> active_;
-  // More than two: c_k A^{-1} c_l; those held, their rows of it, their multipliers; the excess of all.
-  std::vector<double> compliance_, rows_, lambda_, excess_;
-  std::vector<std::size_t> held_;
+  // More than two: c_k A^{-1} c_l; those held, the inverse of their rows of it, their multipliers; the excess of all.
+  std::vector<double> compliance_, rows_, inverse_, lambda_, excess_;
+  std::vector<std::size_t> held_, before_;
 };
 
 }  // namespace viscobar

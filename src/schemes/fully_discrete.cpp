@@ -217,7 +217,8 @@ class Run {
     for (const std::size_t n : {0, 1})  // in the order of time
       for (std::size_t k = 0; k < was_active_.size(); ++k) {
         const Contact& contact = step_->contacts()[k];
-        const double velocity = contact.of(start.v), u = n == 0 ? contact.of(start.u) : contact.of(step_->u());
+        const double velocity = contact.of(start.v);
+        const double u = n == 0 ? contact.of(start.u) : step_->stored_contacts()[k].of(step_->u());
         if (was_active_[k] || step_->clearance(k, time(n), u) > 0.0) continue;
         if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < 0.0)) continue;
         was_active_[k] = 1;
@@ -239,7 +240,8 @@ class Run {
       const double apart = rounding_of_times(0.0, times_.back());
       for (auto at = next(t, until); at; at = next(*at + apart, until)) {
         const double jump = system_.gap_jump(contact, *at, times_.back());
-        if (jump < 0.0 && contact.sign * step_->u()[contact.unknown] + system_.gap(contact, *at + apart) < 0.0)
+        if (jump < 0.0 &&
+            contact.sign * step_->u()[step_->order().place(contact.unknown)] + system_.gap(contact, *at + apart) < 0.0)
           throw LoadError(*at, into_the_bar(contact, *at));
       }
     }
@@ -319,7 +321,7 @@ class Run {
     bool changed = false;
     for (std::size_t k = 0; k < active_.size(); ++k) changed |= active_[k] != was_active_[k];
     if (!changed) return;
-    const auto& contacts = step_->contacts();
+    const auto &contacts = step_->contacts(), &stored = step_->stored_contacts();
     const double dt = scheme_.step;
     const auto mass = [&](std::size_t k) {
       return system_.bar().density * system_.stretch_at(contacts[k].unknown) / 2.0;
@@ -331,12 +333,12 @@ class Run {
     for (std::size_t k = 0; k < contacts.size(); ++k)
       if (was_active_[k] && !active_[k]) {
         was_active_[k] = 0;
-        tell(time(n), k, Change::opening, contacts[k].of(step_->p()) + dt * contacts[k].of(step_->acceleration()));
+        tell(time(n), k, Change::opening, stored[k].of(step_->p()) + dt * stored[k].of(step_->acceleration()));
       }
     // A closing is more than rounding: it pushes its node, or its node has moved in.
     constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
     for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const double velocity = contacts[k].of(step_->p());
+      const double velocity = stored[k].of(step_->p());
       if (!active_[k] || was_active_[k]) continue;
       if (!(std::max(step_->reaction()[k], mass(k) * std::abs(velocity) / dt) > rounding * largest_)) continue;
       was_active_[k] = 1;
@@ -358,8 +360,8 @@ class Run {
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
     for (std::size_t k = 0; k < step_->contacts().size(); ++k)
-      statistics_.max_penetration = std::max(statistics_.max_penetration,
-                                             -step_->clearance(k, time(n_ + 1), step_->contacts()[k].of(step_->u())));
+      statistics_.max_penetration = std::max(
+          statistics_.max_penetration, -step_->clearance(k, time(n_ + 1), step_->stored_contacts()[k].of(step_->u())));
   }
 
   bool take_checkpoint(double t) {

@@ -1,6 +1,8 @@
 #include "schemes/lane_bar.hpp"
 
+#include <algorithm>
 #include <array>
+#include <optional>
 
 #include "discretisation/partial_sums.hpp"
 
@@ -28,24 +30,45 @@ struct ElasticStress {
   }
 };
 
-[[gnu::always_inline]] inline Lanes with_lane(std::size_t lane, double value, const Lanes& lanes) {
-  std::array<double, lane_count> values;
-  store_lanes(lanes, values.data());
-  values[lane] = value;
-  return load_lanes(values.data());
-}
+// The same of elements that are not alike, weighted by the inverse of their int dx / A. A row counts the element in
+// front of it.
+template <class Stress>
+struct WeightedStress {
+  Stress plain;
+  const double* of_edges;
+  const Lanes* of_rows;
+  double nodes(std::size_t i, std::size_t j, std::size_t e) const { return of_edges[e] * plain.nodes(i, j); }
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t k) const {
+    return of_rows[k] * plain.rows(i, j);
+  }
+};
+
+// Where viscosity has another weight than elasticity.
+struct UnlikeStress {
+  WeightedStress<ElasticStress> elastic, viscous;
+  double relaxation;
+  double nodes(std::size_t i, std::size_t j, std::size_t e) const {
+    return elastic.nodes(i, j, e) + relaxation * viscous.nodes(i, j, e);
+  }
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t k) const {
+    return elastic.rows(i, j, k) + relaxation * viscous.rows(i, j, k);
+  }
+};
 
 // Stresses of the elements in front of the stretches, and below of those behind: a stretch follows the separator of the
 // one before.
 template <class Stress>
 [[gnu::always_inline]] inline Lanes in_front(const LaneOrder& order, const Stress& stress) {
-  const double first = stress.nodes(order.first - 1, order.first);
-  return with_lane(0, first, stress.rows(order.row(order.rows - 1) - 1, order.first));
+  Lanes stresses = stress.rows(order.row(order.rows) - 1, order.first);
+  change_lanes(stresses, [&](auto& of) { of[0] = stress.nodes(order.first - 1, order.first); });
+  return stresses;
 }
 template <class Stress>
 [[gnu::always_inline]] inline Lanes behind(const LaneOrder& order, const Stress& stress) {
-  const std::size_t separators = order.row(order.rows - 1), end = order.row(order.rows);
-  return with_lane(lane_count - 1, stress.nodes(end - 1, end), stress.rows(separators, order.first + 1));
+  const std::size_t separators = order.row(order.rows), end = separators + lane_count;
+  Lanes stresses = stress.rows(separators, order.first + 1);
+  change_lanes(stresses, [&](auto& of) { of.back() = stress.nodes(end - 1, end); });
+  return stresses;
 }
 
 // Forces on the nodes in their order; `left` and `right` are the stresses beyond the first and the last one. Each
@@ -71,7 +94,7 @@ void forces_in_order(const Stress& stress, double scale, double left, double rig
 template <class Stress>
 void end_forces(const LaneOrder& order, const Stress& stress, double scale, double left, double right,
                 std::span<double> interface) {
-  const std::size_t n = order.size(), skipped = n - interface.size();
+  const std::size_t n = order.size, skipped = n - interface.size();
   const auto forces = [&](std::size_t begin, std::size_t end, double before, double* out) {
     for (std::size_t i = begin; i < end; ++i) {
       const double next = i + 1 < n ? stress.nodes(i, i + 1) : right;
@@ -80,16 +103,24 @@ void end_forces(const LaneOrder& order, const Stress& stress, double scale, doub
     }
   };
   forces(0, order.first, left, interface.data());
-  const std::size_t begin = n - order.last;
+  const std::size_t begin = order.row(order.rows) + lane_count;  // behind the separators
   forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
+}
+
+// The forces on rows, with what the load adds.
+template <class Force, class Use>
+void with_load(const LaneOrder& order, double scale, std::span<const double> load, Force&& force, Use&& use) {
+  if (load.empty()) return use(force);
+  use([ force, rows = &load[order.row(0)], per_scale = 1.0 / scale ](std::size_t k) mutable
+      __attribute__((always_inline)) { return force(k) + per_scale * load_lanes(rows + k * lane_count); });
 }
 
 template <class Stress>
 void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std::span<const double> load,
                std::span<double> y, std::span<double> interface) {
   const LaneOrder& order = factor.order();
-  const std::size_t m = factor.inner_rows(), separators = order.row(m);
-  Lanes at_separators = scale * (behind(order, stress) - stress.rows(order.row(m - 1), separators));
+  const std::size_t separators = order.row(order.rows), last = order.size - separators - lane_count;
+  Lanes at_separators = scale * (behind(order, stress) - stress.rows(separators - lane_count, separators));
   auto force = [ stress, row = order.row(0), before = in_front(order, stress) ](std::size_t k) mutable
       __attribute__((always_inline)) {
     const std::size_t here = row + k * lane_count;
@@ -97,84 +128,235 @@ void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std
     before = next;
     return difference;
   };
-  if (load.empty()) {
-    store_lanes(at_separators, &interface[order.first]);
-    return factor.eliminate(force, y, interface);
+  if (!load.empty()) {
+    for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
+    at_separators += load_lanes(&load[separators]);
+    for (std::size_t i = 1; i <= last; ++i) interface[interface.size() - i] += load[load.size() - i];
   }
-  for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
-  store_lanes(at_separators + load_lanes(&load[separators]), &interface[order.first]);
-  for (std::size_t i = 1; i <= order.last; ++i) interface[interface.size() - i] += load[load.size() - i];
-  auto loaded = [ force, rows = &load[order.row(0)], per_scale = 1.0 / scale ](std::size_t k) mutable
-      __attribute__((always_inline)) {
-    return force(k) + per_scale * load_lanes(rows + k * lane_count);
-  };
-  factor.eliminate(loaded, y, interface);
+  store_lanes(at_separators, &interface[order.first]);
+  with_load(order, scale, load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
+}
+
+double scale_of(const BarSystem& system) {
+  return system.rows_alike() ? system.bar().modulus / system.mesh().spacing() : system.bar().modulus;
 }
 
 }  // namespace
 
-double LaneBar::stiffness(const BarSystem& system) { return system.bar().modulus / system.mesh().spacing(); }
+LaneFactor LaneBar::factor(const BarSystem& system, const BandedMatrix& matrix) {
+  if (system.side()) return LaneFactor::without_rows(matrix);
+  if (system.rows_alike()) return LaneFactor(matrix, scale_of(system));
+  std::vector<std::size_t> kept;
+  for (const Contact& contact : system.contacts()) {
+    kept.push_back(contact.unknown);
+    if (contact.joint > 0) kept.push_back(contact.unknown - 1);
+  }
+  return LaneFactor(matrix, scale_of(system), kept);
+}
+
+LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {
+  if (system.rows_alike() || order.rows == 0) return;
+  const std::size_t elements = system.mesh().elements;
+  bool alike = true;
+  std::vector<double> elastic(elements);
+  for (std::size_t e = 0; e < elements; ++e) {
+    elastic[e] = 1.0 / system.stretch(e);
+    alike &= !system.damped() || system.rate_stretch(e) == system.stretch(e);
+  }
+  take_edges();
+  elastic_ = weights(elastic);
+  if (!alike) viscous_ = weights(system.rate_weights());
+}
+
+// The edge before the first node and the one behind the last are walls, which have no nodes here.
+void LaneBar::take_edges() {
+  const auto& runs = order_.runs;
+  const std::size_t first = system_.first_node();
+  const auto add = [&](std::size_t node) {
+    edges_.push_back({order_.place(node - 1), order_.place(node), first + node - 1});
+  };
+  edges_.push_back({0, 0, 0});
+  for (std::size_t r = 0, node = 0; r <= runs.size(); ++r) {
+    for (const std::size_t end = r < runs.size() ? runs[r].node : order_.size; node < end; ++node) {
+      fronts_.push_back(edges_.size() - 1);
+      if (node + 1 < order_.size) add(node + 1);
+    }
+    if (r == runs.size()) break;
+    const LaneOrder::Run& run = runs[r];
+    node = run.node_behind();
+    const std::size_t before = edges_.size() - 1;
+    if (run.begin == 0)
+      breaks_.push_back({0, run.lane, 0, before});
+    else
+      breaks_.back().before = before;
+    add(node);
+    breaks_.push_back({run.end(), run.lane, edges_.size() - 1});
+  }
+  edges_.push_back({0, 0, system_.mesh().elements - 1});
+  stresses_.resize(edges_.size());
+  std::ranges::stable_sort(breaks_, {}, &Break::row);
+  breaks_.push_back({.row = order_.rows + 1});  // never
+}
+
+LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const {
+  Weights all{{}, std::vector<Lanes>(order_.rows + 1, Lanes(0.0))};
+  for (const Edge& edge : edges_) all.of_edges.push_back(of_elements[edge.element]);
+  for (const LaneOrder::Run& run : order_.runs)
+    for (std::size_t k = 1; k < run.count; ++k)
+      all.of_rows[run.begin + k][run.lane] = of_elements[system_.first_node() + run.node + k - 1];
+  return all;
+}
+
+template <class Stress>
+void LaneBar::interface_forces(const Stress& stress, std::array<double, 2> walls, std::span<const double> load,
+                               std::span<double> interface) const {
+  const double scale = scale_of(system_);
+  double* const stresses = stresses_.data();
+  const std::size_t last = edges_.size() - 1;
+  for (std::size_t e = 1; e < last; ++e) stresses[e] = stress.nodes(edges_[e].i, edges_[e].j, e);
+  stresses[0] = walls[0], stresses[last] = walls[1];
+  for (std::size_t i = 0; i < interface.size(); ++i)
+    interface[i] = scale * (stresses[fronts_[i] + 1] - stresses[fronts_[i]]);
+  if (load.empty()) return;
+  for (std::size_t i = 0; i < order_.first; ++i) interface[i] += load[i];
+  double* const others = interface.data();
+  const double* const loads = &load[order_.rows * lane_count];
+  for (std::size_t i = order_.first; i < interface.size(); ++i) others[i] += loads[i];
+}
+
+template <class Stress>
+void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, std::span<const double> load,
+                               std::span<double> y, std::span<double> interface) const {
+  const double* const stresses = stresses_.data();
+  const Break* at = breaks_.data();
+  std::array<double, lane_count> fronts;
+  for (; at->row == 0; ++at) fronts[at->lane] = stresses[at->before];
+  auto force = [ stress, at, stresses, row = order_.row(0), before = load_lanes(fronts.data()) ](std::size_t k) mutable
+      __attribute__((always_inline)) {
+    const std::size_t here = row + k * lane_count;
+    Lanes next = stress.rows(here, here + lane_count, k + 1), difference = next - before;
+    before = next;
+    if (k + 1 == at->row) {
+      change_lanes(difference, [&](auto& differences) {
+        change_lanes(before, [&](auto& begins) {
+          for (; at->row == k + 1; ++at) {
+            differences[at->lane] += stresses[at->behind];
+            begins[at->lane] = stresses[at->before];
+          }
+        });
+      });
+    }
+    return difference;
+  };
+  with_load(order_, scale_of(system_), load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
+}
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
-  if (!rows_alike(system_)) {
+  const bool alike = system_.rows_alike();
+  if (system_.side() || (!alike && order_.rows == 0)) {
     system_.internal_force(u, w, interface);
     double* const force = interface.data();
 #pragma GCC ivdep
     for (std::size_t i = 0; i < load.size(); ++i) force[i] += load[i];
     return;
   }
-  const double relaxation = system_.bar().viscosity / system_.bar().modulus;
-  const std::size_t n = order_.size();
+  const double relaxation = system_.bar().viscosity / system_.bar().modulus, scale = scale_of(system_);
+  const std::size_t n = order_.size;
   const std::optional<double>&left_end = system_.wall(false), &right_end = system_.wall(true);
-  const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
-  const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
-  const auto run = [&](const auto& stress) {
-    const double scale = stiffness(system_);
-    if (order_.rows == 0)
-      forces_in_order(stress, scale, left, right, load, interface);
-    else
-      end_forces(order_, stress, scale, left, right, interface);
+  const auto pull_of_supports = [&] {
     for (const Support& support : system_.supports())
       (support.unknown == 0 ? interface.front() : interface.back()) -=
           support.stiffness * u[support.unknown] + support.dashpot * w[support.unknown];
-    if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
   };
-  if (system_.damped())
-    run(ViscousStress{relaxation, u.data(), w.data()});
+  if (alike) {
+    const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
+    const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
+    const auto run = [&](const auto& stress) {
+      if (order_.rows == 0)
+        forces_in_order(stress, scale, left, right, load, interface);
+      else
+        end_forces(order_, stress, scale, left, right, interface);
+      pull_of_supports();
+      if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
+    };
+    if (system_.damped())
+      run(ViscousStress{relaxation, u.data(), w.data()});
+    else
+      run(ElasticStress{u.data()});
+    return;
+  }
+  const Weights& viscous = viscous_.of_rows.empty() ? elastic_ : viscous_;
+  std::array<double, 2> walls{};
+  if (left_end)
+    walls[0] = elastic_.of_edges.front() * (u[0] - *left_end) + relaxation * viscous.of_edges.front() * w[0];
+  if (right_end)
+    walls[1] = elastic_.of_edges.back() * (*right_end - u[n - 1]) - relaxation * viscous.of_edges.back() * w[n - 1];
+  const auto run = [&](const auto& stress) {
+    interface_forces(stress, walls, load, interface);
+    pull_of_supports();
+    eliminate_unlike(factor, stress, load, y, interface);
+  };
+  const auto weighted = [](const auto& plain, const Weights& by) {
+    return WeightedStress<std::decay_t<decltype(plain)>>{plain, by.of_edges.data(), by.of_rows.data()};
+  };
+  if (!system_.damped())
+    run(weighted(ElasticStress{u.data()}, elastic_));
+  else if (viscous_.of_rows.empty())
+    run(weighted(ViscousStress{relaxation, u.data(), w.data()}, elastic_));
   else
-    run(ElasticStress{u.data()});
+    run(UnlikeStress{weighted(ElasticStress{u.data()}, elastic_), weighted(ElasticStress{w.data()}, viscous_),
+                     relaxation});
 }
 
 double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const {
-  const std::size_t n = order_.size();
+  const std::size_t n = order_.size, rows = order_.rows;
   const auto node = [=, p = p.data(), a = a.data()](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
-  double sum = 0.0;
-  if (!system_.rows_alike()) {
-    const std::vector<double>& weights = system_.rate_weights();
-    sum = partial_sums(n - 1,
-                       [&, of = &weights[system_.first_node()]](std::size_t i) { return squared(i, i + 1) * of[i]; });
-    if (system_.left_fixed()) sum += node(0) * node(0) * weights.front();
-    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
-    return sum;
-  }
-  for (std::size_t i = 0; i + 1 < order_.first; ++i) sum += squared(i, i + 1);
-  if (order_.rows > 0) {
-    const std::size_t separators = order_.row(order_.rows - 1), end = order_.row(order_.rows);
-    sum += squared(order_.first - 1, order_.first) + squared(end - 1, end);
-    for (std::size_t l = 1; l < lane_count; ++l) sum += squared(separators + l - 1, order_.first + l);
+  // Of rows beside each other, as weighted(k, squares) has them.
+  const auto of_rows = [&](auto&& weighted) {
     const auto row = [&](std::size_t k) {
       return load_lanes(&p[order_.row(k)]) + lever * load_lanes(&a[order_.row(k)]);
     };
     Lanes here = row(0), sums = 0.0;
-    for (std::size_t k = 1; k < order_.rows; ++k) {
+    for (std::size_t k = 1; k < rows; ++k) {
       const Lanes next = row(k), difference = next - here;
-      sums += difference * difference;
+      sums += weighted(k, difference * difference);
       here = next;
     }
-    sum += std::experimental::reduce(sums);
-    for (std::size_t i = n - order_.last; i + 1 < n; ++i) sum += squared(i, i + 1);
+    return std::experimental::reduce(sums);
+  };
+  double sum = 0.0;
+  if (!system_.rows_alike()) {
+    const std::vector<double>& weights = system_.rate_weights();
+    if (rows == 0) {
+      sum = partial_sums(n - 1,
+                         [&, of = &weights[system_.first_node()]](std::size_t i) { return squared(i, i + 1) * of[i]; });
+    } else {
+      const Weights& of = viscous_.of_rows.empty() ? elastic_ : viscous_;
+      const double *const of_edges = of.of_edges.data(), *const begin = p.data(), *const change = a.data();
+      for (std::size_t e = 1, last = edges_.size() - 1; e < last; ++e) {
+        const auto [i, j, element] = edges_[e];
+        const double difference = begin[j] - begin[i] + lever * (change[j] - change[i]);
+        sum += of_edges[e] * (difference * difference);
+      }
+      sum += of_rows([rows = of.of_rows.data()](std::size_t k, const Lanes& squares) { return rows[k] * squares; });
+    }
+    if (system_.left_fixed()) sum += node(0) * node(0) * weights.front();
+    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
+    return sum;
+  }
+  for (std::size_t i = 0; i + 1 < (rows > 0 ? order_.first : n); ++i) sum += squared(i, i + 1);
+  if (rows > 0) {
+    const std::size_t separators = order_.row(rows), end = separators + lane_count;
+    sum += squared(order_.first - 1, order_.first) + squared(end - 1, end);
+    for (std::size_t l = 1; l < lane_count; ++l) sum += squared(separators + l - 1, order_.first + l);
+    sum += of_rows([](std::size_t, const Lanes& squares) { return squares; });
+    const Lanes last = load_lanes(&p[separators]) + lever * load_lanes(&a[separators]);
+    const Lanes difference =
+        last - load_lanes(&p[separators - lane_count]) - lever * load_lanes(&a[separators - lane_count]);
+    sum += std::experimental::reduce(Lanes(difference * difference));
+    for (std::size_t i = end; i + 1 < n; ++i) sum += squared(i, i + 1);
   }
   if (system_.left_fixed()) sum += node(0) * node(0);
   if (system_.right_fixed()) sum += node(n - 1) * node(n - 1);

@@ -1,25 +1,23 @@
 #pragma once
 
-#include <optional>
+#include <array>
 #include <span>
+#include <vector>
 
 #include "discretisation/lane_factor.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
 
-/// Forces of a uniform bar on its nodes in a LaneOrder: every element's stress is the same function of
-/// the differences between its two nodes, of a row and the next one, or of two nodes at the border of the stretches.
-/// On a graded mesh, where no two elements are alike, and with a side that resists the order has no rows and the force
-/// is BarSystem's.
+/// Forces of the bars on their nodes in a LaneOrder: an element's stress is a function of the differences between its
+/// two nodes, of a row and the next one, or of two nodes where a run ends. Without rows, as with a side that resists,
+/// the force of bars whose elements are not alike is BarSystem's.
 class LaneBar {
  public:
-  LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {}
+  LaneBar(const BarSystem& system, const LaneOrder& order);
 
-  /// True if the rows of the bar are alike, and a step can take them side by side.
-  static bool rows_alike(const BarSystem& system) { return system.rows_alike() && !system.side(); }
-  /// E / h, by which the factor must be scaled: the rows of the force are made per E / h.
-  static double stiffness(const BarSystem& system);
+  /// Of the step's matrix, scaled as the rows of the force are made.
+  static LaneFactor factor(const BarSystem& system, const BandedMatrix& matrix);
 
   /// First sweep of A a = -(E K u + eta K w) + load, the force made row by row on the way. y receives the eliminated
   /// rows, `interface` its right-hand side; `load` is empty when there is none.
@@ -30,8 +28,36 @@ class LaneBar {
   double squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const;
 
  private:
+  // An element in no row: where its two nodes are stored, and its number.
+  struct Edge {
+    std::size_t i, j, element;
+  };
+  // A run ends in front of a row, but for row 0, and the next of its lane begins, but for the last: its lane, and the
+  // edges at either place.
+  struct Break {
+    std::size_t row, lane = 0, behind = 0, before = 0;
+  };
+  struct Weights {
+    std::vector<double> of_edges;
+    std::vector<Lanes> of_rows;  // of the elements in front of them; 0 where a run begins, and behind the last
+  };
+  Weights weights(const std::vector<double>& of_elements) const;
+  void take_edges();
+  template <class Stress>
+  void interface_forces(const Stress& stress, std::array<double, 2> walls, std::span<const double> load,
+                        std::span<double> interface) const;
+  template <class Stress>
+  void eliminate_unlike(const LaneFactor& factor, const Stress& stress, std::span<const double> load,
+                        std::span<double> y, std::span<double> interface) const;
+
   const BarSystem& system_;
-  LaneOrder order_;
+  const LaneOrder& order_;
+  // Where elements are not alike: int dx / A of elasticity, and of viscosity where it is another.
+  Weights elastic_, viscous_;
+  std::vector<Edge> edges_;               // rising; of a node of the interface the one before and the one behind
+  std::vector<std::size_t> fronts_;       // of each node of the interface the edge before it; the walls are edges, too
+  std::vector<Break> breaks_;             // by row
+  mutable std::vector<double> stresses_;  // one an edge
 };
 
 /// sum_i load_i (p_i + lever a_i), in any order of the nodes

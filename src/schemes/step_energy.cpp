@@ -12,10 +12,10 @@ auto StepEnergy::velocity() const {
   };
 }
 
-// v^n at all nodes; as all that follows of a side that resists, or of a frame, where nodes are stored in their order.
+// v^n at all nodes.
 auto StepEnergy::velocity_at_nodes() const {
-  return [p = step_.p(), a = step_.acceleration(), dt = dt_, first = system_.first_node()](std::size_t j) {
-    return j < first || j - first >= p.size() ? 0.0 : p[j - first] - dt / 2 * a[j - first];
+  return [this, v = velocity(), n = step_.p().size(), first = system_.first_node()](std::size_t j) {
+    return j < first || j - first >= n ? 0.0 : v(step_.order().place(j - first));
   };
 }
 
@@ -23,21 +23,31 @@ auto StepEnergy::velocity_at_nodes() const {
 auto StepEnergy::displacement_at_nodes() const {
   return [this, u = step_.u(), p = step_.p(), a = step_.acceleration(), first = system_.first_node()](std::size_t j) {
     if (j < first || j - first >= u.size()) return *system_.wall(j > 0);
-    return u[j - first] - dt_ * (p[j - first] - dt_ / 2 * a[j - first]);
+    const std::size_t i = step_.order().place(j - first);
+    return u[i] - dt_ * (p[i] - dt_ / 2 * a[i]);
   };
 }
 
 auto StepEnergy::acceleration_at_nodes() const {
   return [&order = step_.order(), a = step_.acceleration(), first = system_.first_node()](std::size_t j) {
-    const std::size_t node = j - first;
-    if (j < first || node >= a.size()) return 0.0;
-    if (node < order.first || node >= order.size() - order.last) return a[node];
-    return a[order.row((node - order.first) % order.rows) + (node - order.first) / order.rows];
+    return j < first || j - first >= a.size() ? 0.0 : a[order.place(j - first)];
   };
 }
 
+StepEnergy::StepEnergy(const BarSystem& system, TimeStep& step, std::span<const double> times, double dt)
+    : system_(system),
+      step_(step),
+      bar_(system, step.order()),
+      end_rows_(system.inertia()),
+      active_(step.active()),
+      begin_(times.front()),
+      end_(times.back()),
+      dt_(dt) {
+  for (OneSidedRow& one : end_rows_.one_sided) one.row = step.order().place(one.row);
+}
+
 double StepEnergy::end_power() const {
-  return system_.inertia().unsymmetric_product(velocity(), RowValues{step_.acceleration()});
+  return end_rows_.unsymmetric_product(velocity(), RowValues{step_.acceleration()});
 }
 
 namespace {
@@ -128,7 +138,7 @@ double StepEnergy::taken_by_contacts(std::size_t n, EnergyAccount& energy) const
   double taken = 0.0, given = 0.0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double impulse = dt_ * step_.reaction()[k];
-    const std::size_t i = contacts[k].unknown;
+    const std::size_t i = step_.stored_contacts()[k].unknown;
     const double against = contacts[k].joint > 0 ? v(i - 1) : 0.0;
     taken -= impulse * (contacts[k].sign * (v(i) - against));
     if (impulse != 0.0 && system_.moves(contacts[k]))

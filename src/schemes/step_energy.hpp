@@ -20,14 +20,7 @@ namespace viscobar {
 class StepEnergy {
  public:
   /// Steps are dt from times.front() on. All but dt outlive it.
-  StepEnergy(const BarSystem& system, TimeStep& step, std::span<const double> times, double dt)
-      : system_(system),
-        step_(step),
-        bar_(system, step.order()),
-        active_(step.active()),
-        begin_(times.front()),
-        end_(times.back()),
-        dt_(dt) {}
+  StepEnergy(const BarSystem& system, TimeStep& step, std::span<const double> times, double dt);
 
   /// All that account() depends on, for a checkpoint.
   static void members(auto& energy, auto&& each) { each(energy.taken_, energy.taken_at_rest_, energy.touching_); }
@@ -41,8 +34,7 @@ class StepEnergy {
 
   /// After TimeStep::advance() from n on: adds what the step dissipated and the work done.
   void account(std::size_t n, EnergyAccount& energy);
-  /// v^n . rho (M - Q) a^n, of a mass with end rows. Three nodes at either end, in any order stored first and last,
-  /// make it.
+  /// v^n . rho (M - Q) a^n, of a mass with one-sided rows, whose columns are stored side by side.
   double end_power() const;
 
  private:
@@ -59,6 +51,7 @@ class StepEnergy {
   const BarSystem& system_;
   TimeStep& step_;
   LaneBar bar_;
+  BandedMatrix end_rows_;                  // rho M, its one-sided rows where the nodes are stored
   std::span<const unsigned char> active_;  // of the step
   double begin_, end_, dt_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched

@@ -37,11 +37,6 @@ BandedMatrix step_matrix(const BarSystem& system, double dt) {
   return matrix;
 }
 
-LaneFactor lane_factor(const BarSystem& system, const BandedMatrix& matrix) {
-  return LaneBar::rows_alike(system) ? LaneFactor(matrix, LaneBar::stiffness(system))
-                                     : LaneFactor::without_rows(matrix);
-}
-
 }  // namespace
 
 TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
@@ -51,10 +46,11 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       restitution_(scheme.restitution),
       impact_(scheme.impact),
       begin_(begin),
-      factor_(covers_span(system.contacts()) ? LaneFactor() : lane_factor(system, step_matrix(system, dt_))),
-      order_(factor_.order().size() > 0 ? factor_.order() : LaneOrder{system.size()}),
+      factor_(covers_span(system.contacts()) ? LaneFactor() : LaneBar::factor(system, step_matrix(system, dt_))),
+      order_(factor_.order().size > 0 ? factor_.order() : LaneOrder{system.size()}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
+      stored_(contacts_),
       obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.moves(one); })),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
@@ -66,9 +62,11 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     const BandedMatrix& condensed = factor_.condensed();
     interface_.resize(condensed.size());
     std::vector<EndConstraint::Bounded> ends;
-    for (const Contact& contact : contacts_)
-      ends.push_back({contact.joint > 0 || contact.unknown == 0 ? contact.unknown : condensed.size() - 1, contact.sign,
-                      contact.joint > 0});
+    for (Contact& contact : stored_) {
+      const std::size_t i = order_.interface_index(contact.unknown);
+      ends.push_back({i, contact.sign, contact.joint > 0});
+      contact.unknown = order_.stored(i);
+    }
     solver_.emplace<EndConstraint>(condensed, ends);
     solves_ = ends.size();
   }
@@ -113,10 +111,10 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
 }
 
 void TimeStep::keep_within(std::size_t k) {
-  const auto& [unknown, sign] = std::pair(contacts_[k].unknown, contacts_[k].sign);
+  const auto& [unknown, sign] = std::pair(stored_[k].unknown, stored_[k].sign);
   double& u = u_[unknown];
-  if (contacts_[k].joint > 0)
-    u = u_[unknown - 1] + std::max(contacts_[k].of(u_), lower_[k]);
+  if (stored_[k].joint > 0)
+    u = u_[unknown - 1] + std::max(stored_[k].of(u_), lower_[k]);
   else
     u = sign * std::max(sign * u, lower_[k]);
 }
@@ -137,9 +135,7 @@ void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::
 }
 
 // The velocity of contact k's node, in the direction that it is bounded from, that leads to the bound.
-double TimeStep::least_velocity(std::size_t k) const {
-  return (lower_[k] - contacts_[k].sign * contacts_[k].of(u_)) / dt_;
-}
+double TimeStep::least_velocity(std::size_t k) const { return (lower_[k] - stored_[k].sign * stored_[k].of(u_)) / dt_; }
 
 // The velocity next to p_, in the norm of the inertia, that leads to no penetration: what an impact does that takes all
 // of a node's velocity (restitution 0), its neighbours feeling it as far as they share its mass. With a diagonal mass,
@@ -149,16 +145,17 @@ void TimeStep::project_start() {
   bool held = false;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     bound[k] = least_velocity(k);
-    held |= contacts_[k].sign * contacts_[k].of(p_) < bound[k];
+    held |= stored_[k].sign * stored_[k].of(p_) < bound[k];
   }
   if (!held) return;
   const BandedMatrix& inertia = system_.inertia();
   if ((inertia.is_diagonal() && !system_.is_chain()) || system_.has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
-      const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p_[i], 0.0);
+      double& p = p_[stored_[k].unknown];
+      const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p, 0.0);
       start_impulse_[k] += inertia.diagonal[i] * taken;
-      p_[i] += sign * taken;
+      p += sign * taken;
     }
     return;
   }
@@ -199,6 +196,7 @@ void TimeStep::settle_massless(const Contact& contact, std::size_t next, double 
 void TimeStep::restored() {
   eliminated_ = false;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) span->restored();
+  if (auto* ends = std::get_if<EndConstraint>(&solver_)) ends->restored(reaction_);
 }
 
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
@@ -210,7 +208,7 @@ void TimeStep::bound_contacts(double t) {
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k];
-    const double u = contact.sign * contact.of(u_), p = contact.sign * contact.of(p_);
+    const double u = contact.sign * stored_[k].of(u_), p = contact.sign * stored_[k].of(p_);
     // A step back from the start the obstacle has moved as the bar, at its initial velocity.
     const double gap = system_.gap(contact, t), next = system_.gap(contact, t + dt_);
     const double before = t > begin_ + dt_ / 2 ? system_.gap(contact, t - dt_) : gap - dt_ * system_.gap(contact, t, 1);
@@ -274,7 +272,7 @@ void TimeStep::evaluate_load(double t) {
 // Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
 void TimeStep::solve(double lever) {
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    bound_[k] = (least_velocity(k) - contacts_[k].sign * contacts_[k].of(p_)) / lever;
+    bound_[k] = (least_velocity(k) - stored_[k].sign * stored_[k].of(p_)) / lever;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
     system_.internal_force(u_, p_, interface_);
     for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
@@ -296,9 +294,9 @@ void TimeStep::substitute(Use&& use) {
   };
   factor_.substitute(interface_, a_, row);
   for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
-  if (order_.rows > 0) row(order_.rows - 1, load_lanes(&interface_[order_.first]));
-  const std::size_t skipped = a_.size() - interface_.size();
-  for (std::size_t i = a_.size() - order_.last; i < a_.size(); ++i) use(i, a_[i] = interface_[i - skipped]);
+  std::size_t i = order_.first, k = order_.rows;
+  for (; i + lane_count <= interface_.size(); i += lane_count) row(k++, load_lanes(&interface_[i]));
+  for (; i < interface_.size(); ++i) use(order_.stored(i), a_[order_.stored(i)] = interface_[i]);
 }
 
 void TimeStep::complete() {
@@ -326,7 +324,7 @@ void TimeStep::advance_in_order() {
   const double dt = dt_, *interface = interface_.data();
   double *a = a_.data(), *p = p_.data(), *u = u_.data();
 #pragma GCC ivdep
-  for (std::size_t i = 0; i < order_.size(); ++i) {
+  for (std::size_t i = 0; i < order_.size; ++i) {
     a[i] = interface[i];
     move(dt, interface[i], p[i], u[i]);
   }
@@ -344,7 +342,7 @@ void TimeStep::advance() {
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = contacts_[k].unknown;
+    const std::size_t i = stored_[k].unknown;
     if (!held[k]) {
       keep_within(k);
       continue;

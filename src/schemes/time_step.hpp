@@ -66,6 +66,8 @@ class TimeStep {
 
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
+  /// The same as places in the order of fields.
+  const std::vector<Contact>& stored_contacts() const { return stored_; }
   bool obstacles_move() const { return obstacles_move_; }  ///< true if any of these does
   /// s u + gap(t) of contact k for a displacement u of its node, at a joint against the one before.
   double clearance(std::size_t k, double t, double u) const {
@@ -119,7 +121,7 @@ class TimeStep {
   std::span<const double> load_now_;
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
   std::vector<double> mean_;
-  std::vector<Contact> contacts_;
+  std::vector<Contact> contacts_, stored_;
   bool obstacles_move_;
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   LaneFields fields_;

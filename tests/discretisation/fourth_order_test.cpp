@@ -254,7 +254,7 @@ TEST(LaneFactor, KeepsTheColumnsOfEndRowsInTheInterface) {
   const LaneFactor factor(matrix);
   ASSERT_GT(factor.order().rows, 0u);
   EXPECT_GE(factor.order().first, 3u);
-  EXPECT_GE(factor.order().last, 3u);
+  EXPECT_LE(factor.order().runs.back().node_behind() + 3, 150u);
   EXPECT_EQ(factor.condensed().one_sided.back().row, factor.condensed().size() - 1);
 }
 

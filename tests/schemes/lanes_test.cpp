@@ -1,12 +1,18 @@
 // The scheme on bars long enough for stretches side by side.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "schemes/end_constraint.hpp"
 #include "schemes/time_step.hpp"
 #include "support/run_trace.hpp"
+#include "viscobar/case/case.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::testing_lanes {
 namespace {
@@ -29,21 +35,22 @@ std::vector<double> node_by_node(const BarSystem& system, double dt, std::size_t
   BandedMatrix matrix;
   system.dynamic_stiffness(1.0, dt / 2, dt * dt / 2, matrix);
   const std::size_t n = system.size();
-  EndConstraint constraint(matrix, {0, n - 1});
-  LoadVector load(system);
+  std::vector<EndConstraint::Bounded> bounded;
+  for (const Contact& contact : system.contacts())
+    bounded.push_back({contact.unknown, contact.sign, contact.joint > 0});
+  EndConstraint constraint(matrix, bounded);
+  std::optional<LoadVector> load;
+  if (system.loaded()) load.emplace(system);
   State state = system.initial_state();
   auto& [u, p] = state;
   std::vector<double> a(n);
   for (std::size_t i = 0; i < n; ++i) u[i] += dt * p[i];
   for (std::size_t step = 1; step < steps; ++step) {
     system.internal_force(u, p, a);
-    const auto f = load.at(static_cast<double>(step) * dt);
-    for (std::size_t i = 0; i < n; ++i) a[i] += f[i];
-    double bound[2], reaction[2];
-    for (std::size_t k = 0; k < 2; ++k) {
-      const std::size_t i = k == 0 ? 0 : n - 1;
-      bound[k] = ((-system.contacts()[k].gap - u[i]) / dt - p[i]) / dt;
-    }
+    for (std::size_t i = 0; load && i < n; ++i) a[i] += load->at(static_cast<double>(step) * dt)[i];
+    std::vector<double> bound, reaction(bounded.size());
+    for (const Contact& one : system.contacts())
+      bound.push_back(((-one.gap - one.sign * one.of(u)) / dt - one.sign * one.of(p)) / dt);
     constraint.solve(a, bound, reaction);
     for (std::size_t i = 0; i < n; ++i) {
       p[i] += dt * a[i];
@@ -76,6 +83,48 @@ TEST(FullyDiscreteLanes, TakeTheSameStepsAsNodeByNode) {
         const double h = 1.0 / static_cast<double>(elements), rounding = 100 * eps * 0.1 / (h * h) * 0.4 * 0.4;
         for (std::size_t i = 0; i < u.size(); ++i) ASSERT_NEAR(u[i], expected[i], rounding) << name(mass) << elements;
       }
+}
+
+// Chains whose lanes are cut at joints, of bars from shorter to longer than a lane: bonded, in contact, on springs, of
+// one viscosity and of several, one of them none, with an end that is fixed.
+TEST(FullyDiscreteLanes, TakeTheStepsOfChainsAsNodeByNode) {
+  const auto bar = [](double length, int elements, double modulus, double viscosity, const std::string& more = "") {
+    return fmt::format("[[bar]]\nlength = {}\nelements = {}\nmodulus = {}\nviscosity = {}\nvelocity = -1.0\n{}", length,
+                       elements, modulus, viscosity, more);
+  };
+  const std::string contact = "[[joint]]\nkind = \"contact\"\ngap = 0.002\n", bonded = "[[joint]]\nkind = \"bonded\"\n",
+                    spring = "[[joint]]\nkind = \"spring\"\nstiffness = 20.0\ndamping = 0.3\n",
+                    obstacle = "[left]\nkind = \"obstacle\"\ngap = 0.01\n", rest = "[time]\nend = 1.0\n";
+  std::string many;
+  for (int k = 0; k < 10; ++k) many += bar(0.1, 40 + k, 1.0, 0.01) + (k % 3 == 1 ? bonded : contact);
+  const std::string scenes[] = {
+      obstacle + bar(1.0, 60, 1.0, 0.1) + bar(0.5, 90, 2.0, 0.2) + bonded,
+      obstacle + bar(1.0, 160, 1.0, 0.1) + bar(0.5, 90, 2.0, 0.7) + contact,
+      obstacle + bar(1.0, 160, 1.0, 0.0) + bar(0.5, 90, 2.0, 0.0) + spring + bar(0.5, 20, 2.0, 0.0) + contact,
+      obstacle + "[right]\nkind = \"fixed\"\n" + bar(1.0, 300, 1.0, 0.1) + bar(0.5, 90, 2.0, 0.0) + contact,
+      obstacle + many + bar(0.2, 30, 1.0, 0.5)};
+  for (const std::string& text : scenes)
+    for (const char* const mass : {"consistent", "lumped", "fourth_order"}) {
+      const std::vector<std::string> settings = {std::string("mesh.mass=") + mass, "method.name=fully_discrete"};
+      const BarSystem system = resolve(parse_scene(text + rest, "", settings).run).system();
+      const double dt = 1e-3;
+      const std::size_t steps = 150;
+      State start = system.initial_state();
+      TimeStep step(system, start, 0.0, {.step = dt});
+      EXPECT_GT(step.order().rows, 0u) << text;
+      std::vector<bool> touched(step.contacts().size());
+      for (std::size_t n = 1; n < steps; ++n) {
+        for (std::size_t k = 0; k < touched.size(); ++k) touched[k] = touched[k] || step.active()[k] != 0;
+        step.advance();
+        step.balance(static_cast<double>(n + 1) * dt);
+      }
+      EXPECT_TRUE(touched.empty() || std::ranges::count(touched, true) > 0) << text;
+      std::vector<double> u(system.size());
+      step.order().to_nodes([&](std::size_t i) { return step.u()[i]; }, u);
+      const auto expected = node_by_node(system, dt, steps);
+      const double rounding = 100 * eps * 0.2 * 2.0 * 200 * 200 * 0.15 * 0.15;  // as above, of the finest bar
+      for (std::size_t i = 0; i < u.size(); ++i) ASSERT_NEAR(u[i], expected[i], rounding) << mass << i << text;
+    }
 }
 
 // The energy law of energy_law_test.cpp where the sums go over stretches.
