@@ -255,15 +255,14 @@ TEST(SceneFile, OverridesTakeNumbersAsPeopleWriteThem) {
   const std::pair<const char*, double> numbers[] = {{".25", 0.25}, {"2.", 2.0},   {"+.5", 0.5},  {"1.e-2", 0.01},
                                                     {"007", 7.0},  {"00.5", 0.5}, {".5e1", 5.0}, {"1_0", 10.0}};
   for (const auto& [text, number] : numbers) {
-    const auto of = [&](const char* key) { return small({fmt::format("{}={}", key, text), "left.kind=obstacle"}); };
-    EXPECT_EQ(of("bar.viscosity").run.scene.bar.viscosity, number) << text;
-    const SceneFile gap = of("left.gap");  // a number, or a formula
+    EXPECT_EQ(small({fmt::format("bar.viscosity={}", text)}).run.scene.bar.viscosity, number) << text;
+    const SceneFile gap = small({"left.kind=obstacle", fmt::format("left.gap={}", text)});  // a number, or a formula
     EXPECT_EQ(std::get<Obstacle>(gap.run.scene.left).gap, number) << text;
     EXPECT_FALSE(std::holds_alternative<std::string>(*value_of(gap.values, "left.gap"))) << text;
   }
   EXPECT_EQ(small({"output.gauges=[.25, 1., 007.5e-1]"}).run.gauges, (std::vector{0.25, 1.0, 0.75}));
   EXPECT_EQ(small({"mesh.elements=012"}).run.elements, 12u);
-  // What is in quotes, and what is no number, stay text.
+  // Text in quotes, and what is no number, stays text.
   EXPECT_EQ(small({"title=\"no. 007\""}).run.scene.title, "no. 007");
   EXPECT_EQ(small({"title=v.2"}).run.scene.title, "v.2");
   EXPECT_EQ(small({"initial.velocity=.5*x"}).run.scene.velocity(0.5), 0.25);

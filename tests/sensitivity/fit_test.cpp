@@ -380,6 +380,14 @@ TEST(RandomFits, FindTheTruthOrSayThatTheyDidNot) {
   EXPECT_GE(found, 18u);
 }
 
+// A residual of 0.009 deviations that follows a curve is no minimum: half of the viscosity, 9 deviations off.
+TEST(RandomFits, LookBehindASmallResidualThatFollowsACurve) {
+  const random_fits::Judged judged = judge(random_fits::random_fit(907, 92), 2);
+  EXPECT_TRUE(judged.found);
+  EXPECT_TRUE(judged.converged);
+  EXPECT_LT(judged.off, 4.0);
+}
+
 // Where noise is all that is left: a valley beside, a third of a deviation lower, and one at fifty times the viscosity,
 // as low as that of the truth, of which three deviations reach below zero.
 TEST(RandomFits, FindTheOtherValleysOfNoise) {

@@ -353,7 +353,7 @@ Judged judge(const RandomFit& one, std::size_t starts, double floor) {
   return judged;
 }
 
-// A hundredth of a deviation, 1e-4 of the largest value, is a residual that a fit does not look behind.
-Judged distance(const RandomFit& one) { return against_truth(one, fit(one.study), 1e-4); }
+// A thousandth of a deviation, 1e-5 of the largest value, is a residual that a fit does not look behind.
+Judged distance(const RandomFit& one) { return against_truth(one, fit(one.study), 1e-5); }
 
 }  // namespace viscobar::random_fits

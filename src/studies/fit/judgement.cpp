@@ -343,11 +343,13 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
           std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
                     deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
     }
-    double error = scale(free[a]) * std::max(std::min(1.0, longer(a)) * moved.linear(a), moved.searched(a));
-    double deviation = std::hypot(longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)), error);
-    // A step of one deviation leaves the bounds, or what the parameter is large by.
-    const bool far = deviation > std::min(0.5 * (parameter.high - parameter.low),
-                                          10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)));
+    const double noise = longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)),
+                 linear = std::min(1.0, longer(a)) * scale(free[a]) * moved.linear(a);
+    double error = std::max(linear, scale(free[a]) * moved.searched(a)), deviation = std::hypot(noise, error);
+    // A step of one deviation by the data leaves the bounds, or what the parameter is large by.
+    const bool far =
+        std::hypot(noise, linear) > std::min(0.5 * (parameter.high - parameter.low),
+                                             10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)));
     // Nor do others make up for it.
     if (far && scaled.col(a).squaredNorm() * inverse(a, a) < 2.0)
       ways(a) = plateau(search, study, best, free[a], scale(free[a]), lower).value_or(0.0);

@@ -8,8 +8,9 @@
 
 namespace viscobar::fitting {
 
-/// A residual, in deviations, so small that no other minimum is of interest.
-inline constexpr double small_residual = 0.01;
+/// A residual, in deviations, so small that no other minimum is of interest: values that are right to a tolerance of
+/// 1e-6 leave a tenth of it of a deviation of 1 %.
+inline constexpr double small_residual = 0.001;
 
 /// (S / (m - n))^(1/2), m numbers measured and n parameters; S^(1/2) where m is n or less.
 double residual_of(const Misfit& misfit, Eigen::Index parameters);

@@ -112,7 +112,7 @@ struct FitResult {
   std::vector<double> singular_values;     ///< of the Jacobian, parameters counted in their estimates; decreasing
   std::vector<Undetermined> undetermined;  ///< those that count for nothing
   double residual = 0.0;                   ///< (S / (m - n))^(1/2), m numbers measured
-  /// Of the model on twice the elements, at its minimum near by; NaN where that was not looked for.
+  /// The same of twice the elements, at their minimum near by; NaN where that was not looked for.
   double finer_residual = std::numeric_limits<double>::quiet_NaN();
   std::size_t measured = 0;                 ///< m
   std::size_t freedom = 0;                  ///< m - n; 0: the deviations are those of the data as given
