@@ -136,10 +136,10 @@ class LaneFields {
 class LaneFactor {
  public:
   LaneFactor() = default;
-  /// Of a bar whose rows are alike but for some at its ends.
+  /// The factor where rows are alike but for some at either end.
   /// @throws std::domain_error when the matrix is not positive definite
   explicit LaneFactor(const BandedMatrix& matrix, double scale = 1.0);
-  /// Of any rows; `kept` nodes stay in the interface.
+  /// The same of any rows; `kept` nodes stay in the interface.
   LaneFactor(const BandedMatrix& matrix, double scale, const std::vector<std::size_t>& kept);
   /// All of the matrix is the interface.
   static LaneFactor without_rows(const BandedMatrix& matrix);

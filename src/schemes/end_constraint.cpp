@@ -73,7 +73,7 @@ void EndConstraint::invert_held() {
 }
 
 // Begins with those that were held; where many changes at once do not end, the first that is wrong alone, which does.
-// What is held without force is not held, so that the answer does not depend on where it begins.
+// An entry that is held without force is let go, so that the answer does not depend on where it begins.
 void EndConstraint::solve_many(std::span<double> x, std::span<const double> bound, std::span<double> multiplier) {
   const std::size_t count = columns_.size();
   for (std::size_t k = 0; k < count; ++k) excess_[k] = columns_[k].of(x) - bound[k];  // infinite without a bound

@@ -309,11 +309,13 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
                      relaxation});
 }
 
-double LaneBar::squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const {
+// All is inlined: what is contracted to one operation would else depend on the processor's level.
+[[gnu::flatten]] double LaneBar::squared_strain_rate(std::span<const double> p, double lever,
+                                                     std::span<const double> a) const {
   const std::size_t n = order_.size, rows = order_.rows;
   const auto node = [=, p = p.data(), a = a.data()](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
-  // Of rows beside each other, as weighted(k, squares) has them.
+  // The sum over rows beside each other, as weighted(k, squares) has them.
   const auto of_rows = [&](auto&& weighted) {
     const auto row = [&](std::size_t k) {
       return load_lanes(&p[order_.row(k)]) + lever * load_lanes(&a[order_.row(k)]);

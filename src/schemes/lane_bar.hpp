@@ -16,7 +16,7 @@ class LaneBar {
  public:
   LaneBar(const BarSystem& system, const LaneOrder& order);
 
-  /// Of the step's matrix, scaled as the rows of the force are made.
+  /// The factor of the step's matrix, scaled as the rows of the force are made.
   static LaneFactor factor(const BarSystem& system, const BandedMatrix& matrix);
 
   /// First sweep of A a = -(E K u + eta K w) + load, the force made row by row on the way. y receives the eliminated

@@ -90,7 +90,7 @@ TEST(LaneFactor, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_THROW(TridiagonalFactor(LaneFactor(end).condensed()), std::domain_error);
 }
 
-// Of chains: bars of every length that are bonded, uncoupled, or coupled to nodes two away, down to bars shorter than a
+// Chains of bars of every length that are bonded, uncoupled, or coupled to nodes two away, down to bars shorter than a
 // lane. Each equation holds to rounding, and nodes that are kept are in the interface.
 TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
   std::mt19937 random(3);
