@@ -225,14 +225,13 @@ double EventSearch::pressed_back(std::size_t i, double t) {
   const std::size_t n = system_.size();
   stepper_.interpolate(t, state_);
   const std::span<double> u(state_.data(), n), w(state_.data() + n, n);
-  const bool rebounds = contacts_[i].restitution > 0.0 || contacts_[i].law.stop();
   const double leaves = contacts_[i].of(w);
   system_.complete_velocity(t, u, w);
   acceleration_.resize(n);
   system_.force(t, u, w, acceleration_);
   system_.accelerate(acceleration_);
   const double pressed = -contacts_[i].sign * contacts_[i].of(acceleration_);
-  return rebounds ? pressed * uncertainty(i) - 0.5 * leaves * leaves : pressed;
+  return rebounds(i) ? pressed * uncertainty(i) - 0.5 * leaves * leaves : pressed;
 }
 
 // (h/E) times the reaction of a closed contact that opens by it.

@@ -121,11 +121,13 @@ class EventSearch {
   }
   std::optional<double> lasting(std::size_t i, double begin, double end, double s);
   double noticed(std::size_t i, double h) const;
-  // A spring on a node with mass does where it toggles: its depth is less than a step may be wrong by.
+  // A spring on a node with mass does where it toggles, or never throws the node out: its depth is less than a step may
+  // be wrong by.
   bool opens_by_pull(std::size_t i) const {
-    return contacts_.closed(i) &&
-           (contacts_[i].changes_by_row || contacts_[i].collides || (toggles(i) && !contacts_[i].massless));
+    return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides ||
+                                   (!contacts_[i].massless && (toggles(i) || !rebounds(i))));
   }
+  bool rebounds(std::size_t i) const { return contacts_[i].restitution > 0.0 || contacts_[i].law.stop(); }
   bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
   double push(std::size_t i, double t);
   double pressed_back(std::size_t i, double t);
