@@ -105,11 +105,11 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   }
   if (first > 1.0) return std::nullopt;
   const double t = begin + first * (end - begin);
-  if (later) return t;
+  if (later || against(which_, t) > 0.0) return t;
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
   const double time = polished(begin, end, t, which_);
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
-  return time;
+  return !by_push_ && against(which_, time) > 0.0 ? t : time;
 }
 
 std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i, double begin, double end,
@@ -195,21 +195,22 @@ inline double EventSearch::uncertainty(std::size_t i) const {
            : contacts_[i].collides ? weights.tolerance_at(i)
                                    : weights.displacement_tolerance();
   const double rounding = indicators_.rounding(i, weights.largest_displacement());
-  if (i != distrusted_) return rounding;
+  if (!toggles(i) || (opens_by_pull(i) && !contacts_[i].massless)) return rounding;
   return rounding + share_ * (contacts_.closed(i) && contacts_[i].relaxes()
                                   ? weights.reaction_tolerance() / (1.0 + contacts_[i].relative_stiffness)
                                   : weights.displacement_tolerance());
 }
 
 // Positive where the state y speaks against a change of contact i: the velocity of a node that is to close, away from
-// the obstacle; by the row of a damped node without mass, (h/E) times a reaction that holds it, or pulls.
+// the obstacle, or that is to leave, towards it; by the row of a damped node without mass, (h/E) times a reaction that
+// holds it, or pulls.
 double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
   const std::size_t n = system_.size(), node = contacts_[i].unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);
   if (contacts_[i].changes_by_row)
     return -sign(i) * row_reaction(system_, i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
   // The indicator of an undamped node without mass is its neighbour's.
-  return contacts_.closed(i) || system_.bar().massless(node) ? 0.0 : contacts_[i].sign * contacts_[i].of(w);
+  return system_.bar().massless(node) ? 0.0 : sign(i) * contacts_[i].sign * contacts_[i].of(w);
 }
 
 double EventSearch::against(std::size_t i, double t) {
@@ -218,20 +219,52 @@ double EventSearch::against(std::size_t i, double t) {
   return against(i, t, state_);
 }
 
-std::span<const double> EventSearch::against_between(std::size_t i, double from, double end) {
-  return between(from, end, [&](double t) { return against(i, t); });
+// Positive where the bar presses the node of contact i, open now, back at once. Without rebound it does wherever it
+// presses: a critically damped spring never throws a node out. Else it is where the node would rise by a rounding.
+double EventSearch::pressed_back(std::size_t i, double t) {
+  const std::size_t n = system_.size();
+  stepper_.interpolate(t, state_);
+  const std::span<double> u(state_.data(), n), w(state_.data() + n, n);
+  const double leaves = contacts_[i].of(w);
+  system_.complete_velocity(t, u, w);
+  acceleration_.resize(n);
+  system_.force(t, u, w, acceleration_);
+  system_.accelerate(acceleration_);
+  const double pressed = -contacts_[i].sign * contacts_[i].of(acceleration_);
+  return rebounds(i) ? pressed * uncertainty(i) - 0.5 * leaves * leaves : pressed;
+}
+
+// (h/E) times the reaction of a closed contact that opens by it.
+double EventSearch::push(std::size_t i, double t) {
+  if (contacts_[i].changes_by_row || contacts_[i].collides) return against(i, t);
+  const std::size_t n = system_.size();
+  stepper_.interpolate_ends(t, state_);
+  const std::span<const double> u(state_.data(), n), w(state_.data() + n, n);
+  return contacts_[i].sign * contacts_[i].law.force(contacts_.clearance(i, u), contacts_[i].of(w)) *
+         system_.bar().stretch_at(contacts_[i].unknown) / system_.bar().bar().modulus;
 }
 
 // The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
 // speaks against it any more.
 std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s) {
-  const double from = begin + s * (end - begin);
-  if (against(i, from) > 0.0) {
-    const auto part = Bernstein::through(against_between(i, from, end)).first_descent(0.0);
-    if (!part) return std::nullopt;
-    s += *part * (1.0 - s);
+  // From s on.
+  const auto wait = [&](auto&& speaks_against) {
+    const double from = begin + s * (end - begin);
+    if (!(speaks_against(from) > 0.0)) return true;
+    const auto part = Bernstein::through(between(from, end, speaks_against)).first_descent(0.0);
+    if (part) s += *part * (1.0 - s);
+    return part.has_value();
+  };
+  if (!wait([&](double t) { return against(i, t); })) return std::nullopt;
+  if (contacts_.closed(i) && !contacts_[i].massless && !contacts_[i].collides) {
+    system_.contacts().set_closed(i, false);
+    const bool leaves = wait([&](double t) { return pressed_back(i, t); });
+    system_.contacts().set_closed(i, true);
+    if (!leaves) return std::nullopt;
   }
-  return opens_by_row(i) ? lasting(i, begin, end, s) : std::optional(s);
+  if (opens_by_pull(i)) return lasting(i, begin, end, s);
+  pulls_[i] = {};
+  return s;
 }
 
 // Where contact i opens, which pulls from the part s of the step on, and maybe since earlier: by all that it pulls up
@@ -244,13 +277,13 @@ std::optional<double> EventSearch::lasting(std::size_t i, double begin, double e
   for (std::size_t k = 0; k < stepper_.order(); ++k) {
     const double from = begin + s * (end - begin);
     std::array<double, Bernstein::max_degree + 1> pulls{};
-    std::ranges::transform(against_between(i, from, end), pulls.begin(), std::negate());
+    std::ranges::transform(push_between(i, from, end), pulls.begin(), std::negate());
     pulls.front() = std::max(pulls.front(), 0.0);  // it begins here, but for rounding
     const auto turn = Bernstein::through(std::span(pulls).first(stepper_.order() + 1)).first_descent(0.0);
     if (!turn) return std::nullopt;
     const double until = from + *turn * (end - from);
     if (Pull one; counts(i, from, until, one)) return pull = one, s;
-    const auto next = Bernstein::through(against_between(i, until, end)).first_descent(0.0);
+    const auto next = Bernstein::through(push_between(i, until, end)).first_descent(0.0);
     if (!next) return std::nullopt;
     s = (until + *next * (end - until) - begin) / (end - begin);
   }
@@ -265,7 +298,7 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
   const std::size_t node = contacts_[i].unknown;
   const double h = system_.bar().stretch_at(node),
                impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
-  const std::span<const double> against = against_between(i, from, until);
+  const std::span<const double> against = push_between(i, from, until);
   const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
@@ -291,7 +324,7 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
 double EventSearch::noticed(std::size_t i, double h) const {
   const ErrorWeights& weights = stepper_.weights();
   const double least = weights.negligible_reaction(h);
-  return i == distrusted_ ? least + share_ * ErrorWeights::inertial_share * weights.reaction_tolerance() : least;
+  return toggles(i) ? least + share_ * ErrorWeights::inertial_share * weights.reaction_tolerance() : least;
 }
 
 // Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.

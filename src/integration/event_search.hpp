@@ -121,13 +121,22 @@ class EventSearch {
   }
   std::optional<double> lasting(std::size_t i, double begin, double end, double s);
   double noticed(std::size_t i, double h) const;
-  bool opens_by_row(std::size_t i) const {
-    return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
+  // A spring on a node with mass does where it toggles, or never throws the node out: its depth is less than a step may
+  // be wrong by.
+  bool opens_by_pull(std::size_t i) const {
+    return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides ||
+                                   (!contacts_[i].massless && (toggles(i) || !rebounds(i))));
   }
-  // against() on the way from `from` to `end`, at equidistant points.
-  std::span<const double> against_between(std::size_t i, double from, double end);
-  // Pull of a closed contact that opens by its row: its beginning, how far it is known, and what the bar, its node and
-  // a rigid body at it have missed.
+  bool rebounds(std::size_t i) const { return contacts_[i].restitution > 0.0 || contacts_[i].law.stop(); }
+  bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
+  double push(std::size_t i, double t);
+  double pressed_back(std::size_t i, double t);
+  // The same on the way from `from` to `end`, at equidistant points.
+  std::span<const double> push_between(std::size_t i, double from, double end) {
+    return between(from, end, [&](double t) { return push(i, t); });
+  }
+  // Pull of a closed contact that opens by it: its beginning, how far it is known, and what the bar, its node and a
+  // rigid body at it have missed.
   struct Pull {
     double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
     double of_body = 0.0, way_of_body = 0.0;
@@ -160,7 +169,7 @@ class EventSearch {
   std::vector<double> samples_, push_samples_;
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
-  std::vector<double> state_;            // where p descends
+  std::vector<double> state_, acceleration_;  // where p descends
   std::vector<Pull> pulls_;
   std::array<double, Bernstein::max_degree + 1> against_{};
   bool with_rates_ = false;  // an indicator asks for them in this step

@@ -40,11 +40,7 @@ class OdeintStepper final : public PolynomialStepper {
     std::ranges::copy(y, start.y.begin());
     formulas_.begin_leg(start);
     step_.restart();
-    // The error estimate of L-stable formulas does not see what a step passes over: an impact on a stiff spring would
-    // end in rest. Begun with a step that resolves it, they grow as the error lets them.
-    for (std::size_t i = 0; i < system_.contacts().size(); ++i)
-      if (system_.contacts().closed(i) && system_.contacts()[i].rate > 0.0)
-        size_ = std::min(size_, 1.0 / system_.contacts()[i].rate);
+    size_ = resolving(size_, y);
   }
 
   double advance() override {

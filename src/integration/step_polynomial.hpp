@@ -177,11 +177,26 @@ class PolynomialStepper : public LegStepper {
   PolynomialStepper(const StepperParts& parts, const Tolerance& tolerance)
       : motion_(parts.system, false, parts.derivatives.size()),
         weights_(parts.system, motion_, tolerance, parts.times.back(), one_step_accumulation, parts.derivatives),
-        step_(parts.system, parts.layout, parts.derivatives) {}
+        step_(parts.system, parts.layout, parts.derivatives),
+        contacts_(parts.system.contacts()) {}
+
+  /// A first step of a leg that resolves the impacts which it begins with. The error estimate of L-stable formulas does
+  /// not see an impact that a step passes over: it would end in rest, and the reaction could have either sign.
+  double resolving(double step, std::span<const double> y) const {
+    const std::span<const double> w = y.subspan(motion_.nodes, motion_.nodes);
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      if (!contacts_.closed(i) || contacts_[i].rate * step <= 1.0) continue;
+      if (-contacts_[i].sign * contacts_[i].of(w) > weights_.velocity_tolerance()) step = 1.0 / contacts_[i].rate;
+    }
+    return step;
+  }
 
   const Layout motion_;  // without the energy account
   ErrorWeights weights_;
   StepPolynomial step_;
+
+ private:
+  const Contacts& contacts_;
 };
 
 }  // namespace viscobar

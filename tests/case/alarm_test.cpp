@@ -202,6 +202,19 @@ TEST(Alarm, NamesABalanceThatIsOff) {
   EXPECT_TRUE(run()[0].ruinous);
 }
 
+// A loss that is wrong neither counts as the energy that its error is small beside, nor do loose tolerances excuse it.
+TEST(Alarm, MeasuresALossByWhatTheBarHas) {
+  Sounded run(MethodName::arkode);
+  EnergyAccount& energy = *run.statistics.energy;
+  run.run.tolerance.relative = 1e-2;
+  energy.dissipated = energy.largest = 3.5 * energy.initial;
+  ASSERT_EQ(run().size(), 1u);
+  EXPECT_TRUE(run()[0].ruinous);
+  energy.dissipated = energy.largest = 1.1 * energy.initial - energy.final;
+  ASSERT_EQ(run().size(), 1u);
+  EXPECT_FALSE(run()[0].ruinous);
+}
+
 TEST(Alarm, NamesEnergyFromNowhere) {
   Sounded run(MethodName::arkode);
   EnergyAccount& energy = *run.statistics.energy;

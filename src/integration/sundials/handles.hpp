@@ -81,6 +81,7 @@ inline constexpr auto ARKodeSetMaxErrTestFails = ARKStepSetMaxErrTestFails;
 inline constexpr auto ARKodeSetMaxStep = ARKStepSetMaxStep;
 inline constexpr auto ARKodeSetNonlinearSolver = ARKStepSetNonlinearSolver;
 inline constexpr auto ARKodeSetPredictorMethod = ARKStepSetPredictorMethod;
+inline constexpr auto ARKodeSetInitStep = ARKStepSetInitStep;
 inline constexpr auto ARKodeSetStopTime = ARKStepSetStopTime;
 inline constexpr auto ARKodeSetUserData = ARKStepSetUserData;
 inline constexpr auto ARKodeWFtolerances = ARKStepWFtolerances;
