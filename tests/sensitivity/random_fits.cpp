@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "campaign/draw.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::random_fits {
@@ -202,8 +202,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index) {
     MeasuredTrace trace{column, {}, 1.0, true};
     for (std::size_t k = 0; k < exact.times.size(); ++k)
       trace.values.push_back(value_of(column, exact.displacement(k), exact.velocity(k), exact.reaction_left[k]));
-    double largest = 0.0;
-    for (const double value : trace.values) largest = std::max(largest, std::abs(value));
+    const double largest = viscobar::largest(trace.values);
     if (!(largest > 0.0)) continue;
     trace.deviation = 0.01 * largest;
     for (double& value : trace.values) value += noise * largest * draw.normal();
