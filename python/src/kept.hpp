@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,7 +26,7 @@ struct Kept {
   std::size_t rows() const { return recording.times.size(); }
 };
 
-/// Observers that fill a recording of at most so many output times. Its arrays do not move while they grow.
+/// The same as Recording::filling() of what the memory of the machine can hold. @throws SceneError
 Observers filling(Recording& recording, const Case& run, std::size_t rows);
 
 /// Ends a study.

@@ -74,7 +74,7 @@ SceneError at_key(const std::string& key, const std::string& message) { return S
 void put_ends(Case& run, const py::dict& functions, const std::function<Function(const char*)>& function) {
   namespace waves = characteristics;
   const Bar& bar = run.scene.bar;
-  const double passage = bar.length * std::sqrt(bar.density / bar.modulus);
+  const double passage = bar.transit();
   const auto moved = [&](const std::string& key) {
     try {
       return waves::function_through(function(key.c_str()), run.end, passage);

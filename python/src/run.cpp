@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "case/chatter.hpp"
 #include "case/run_cost.hpp"
@@ -13,6 +12,7 @@
 #include "report/run/run_page.hpp"
 #include "results/csv.hpp"
 #include "results/summary.hpp"
+#include "run/stopwatch.hpp"
 #include "studies/accuracy/plan.hpp"
 #include "viscobar/record/record_run.hpp"
 
@@ -63,32 +63,15 @@ void NodalDensity::evaluate(double t) const {
   throw Raised();
 }
 
-namespace {
-
-SceneError too_large(const Case& run, std::size_t rows, double bytes) {
-  return SceneError({{"", 0, 0, "output.every",
-                      fmt::format("keeps {} output times of {} nodes in memory, {:.0f} GB; take a larger one, or fewer "
-                                  "elements",
-                                  rows, run.mesh().nodes(), bytes / 1e9)}});
-}
-
-}  // namespace
-
 Observers filling(Recording& recording, const Case& run, std::size_t rows) {
-  recording.label = name(run.method);
-  recording.mesh = run.mesh();
-  const std::size_t values = rows * recording.mesh.nodes();
-  const double bytes = 2.0 * sizeof(double) * static_cast<double>(values);
-  if (bytes > memory_limit()) throw too_large(run, rows, bytes);
-  for (auto* column : {&recording.times, &recording.reaction_left, &recording.reaction_right}) column->reserve(rows);
-  recording.u.reserve(values);
-  recording.v.reserve(values);
-  Observers observers;
-  observers.energy = observers.account = true;
-  observers.directions = run.directions;
-  observers.snapshot = [&recording, &run](const Snapshot& s) { recording.keep(s, run.directions); };
-  observers.event = [&recording](const Event& event) { recording.events.push_back(event); };
-  return observers;
+  const std::size_t nodes = run.mesh().nodes();
+  const double bytes = 2.0 * sizeof(double) * static_cast<double>(rows * nodes);
+  if (bytes > memory_limit())
+    throw SceneError({{"", 0, 0, "output.every",
+                       fmt::format("keeps {} output times of {} nodes in memory, {:.0f} GB; take a larger one, or "
+                                   "fewer elements",
+                                   rows, nodes, bytes / 1e9)}});
+  return recording.filling(run, rows);
 }
 
 Recording record_until(const Case& run, const std::function<bool()>& stop) {
@@ -211,13 +194,13 @@ void Run::solve_to_accuracy(py::object& self, py::object& observer, py::object& 
 }
 
 void Run::go(py::object self, py::object observer, py::object on_event, const std::vector<double>& times) {
-  const auto started = std::chrono::steady_clock::now();
+  const WallClock clock;
   kept_times_ = times;
   if (!times.empty())  // as far as the scene goes, whatever of it is kept
     std::ranges::set_union(times, std::array{0.0, case_.scene.run.end}, std::back_inserter(all_times_));
   case_.scene.accuracy ? solve_to_accuracy(self, observer, on_event) : solve(self, observer, on_event);
   if (!outcome_.statistics && rows() > 0) outcome_.reached_time = recording.times.back();
-  outcome_.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  outcome_.wall_seconds = clock.seconds();
   case_.faults->rethrow();
 }
 

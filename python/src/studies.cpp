@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <future>
 #include <map>
-#include <thread>
 
 #include "input/described_scene.hpp"
 #include "kept.hpp"
@@ -13,6 +12,7 @@
 #include "report/judge/judge_request.hpp"
 #include "report/scene_check.hpp"
 #include "studies/limit/limit_fault.hpp"
+#include "studies/parallel.hpp"
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/report/reports.hpp"
@@ -404,7 +404,7 @@ void run_sweep(const SweepFile& sweep, std::size_t threads, py::list table) {
   hearing_signals(faults, stop, [&] { costs = plan_cases(sweep, threads); });
   SweepQueue queue(sweep, costs);
   std::map<std::size_t, SweepRow> rows;
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads == 0) threads = cores();
   const SweepWork work{sweep.scene_text, queue, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
                        [&] { return stop.load(); }};
   const auto tell = [&] {

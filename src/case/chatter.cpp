@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "scene/end_kinds.hpp"
 
 namespace viscobar {
 
-ChatterWatch::ChatterWatch(const BarSystem& system)
-    : window_(2.0 * system.mesh().length * std::sqrt(system.bar().density / system.bar().modulus)) {
+ChatterWatch::ChatterWatch(const BarSystem& system) : window_(2.0 * system.mesh().length * system.bar().slowness()) {
   std::vector<double> sides(system.size(), 0.0);
   for (const Contact& contact : system.contacts()) {
     if (contact.joint > 0)

@@ -1,10 +1,7 @@
 #include "case/method_table.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "scene/end_kinds.hpp"
 

@@ -28,18 +28,22 @@ void Recording::keep(const Snapshot& s, std::span<const Direction> directions) {
   }
 }
 
-Recording record_setup(const Setup& setup) {
-  const Case& run = setup.run;
-  Recording recording;
-  recording.label = name(run.method);
-  recording.mesh = setup.mesh;
-  const std::size_t outputs = run.output_times().size();
-  for (std::vector<double>* field : {&recording.u, &recording.v}) field->reserve(outputs * recording.mesh.nodes());
+Observers Recording::filling(const Case& run, std::size_t rows) {
+  label = name(run.method);
+  mesh = run.mesh();
+  for (std::vector<double>* column : {&times, &reaction_left, &reaction_right}) column->reserve(rows);
+  for (std::vector<double>* field : {&u, &v}) field->reserve(rows * mesh.nodes());
   Observers observers;
   observers.energy = observers.account = true;
   observers.directions = run.directions;
-  observers.snapshot = [&](const Snapshot& s) { recording.keep(s, run.directions); };
-  observers.event = [&](const Event& event) { recording.events.push_back(event); };
+  observers.snapshot = [this, &run](const Snapshot& s) { keep(s, run.directions); };
+  observers.event = [this](const Event& event) { events.push_back(event); };
+  return observers;
+}
+
+Recording record_setup(const Setup& setup) {
+  Recording recording;
+  const Observers observers = recording.filling(setup.run, setup.run.output_times().size());
   recording.statistics = simulate(setup, observers);
   return recording;
 }

@@ -131,7 +131,7 @@ StopForecast lone_mass(double mass, const Stop& stop, double speed) {
 
 StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed) {
   StopForecast whole = lone_mass(end_mass + bar.density * bar.length, stop, speed);
-  const double pressed = std::sqrt(bar.density * bar.modulus) * speed;
+  const double pressed = bar.impedance() * speed;
   double shallow = 0.0, deep = whole.penetration;
   while (deep - shallow > 1e-3 * deep)
     (stop.force(0.5 * (shallow + deep), 0.0) < pressed ? shallow : deep) = 0.5 * (shallow + deep);
@@ -167,7 +167,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       continue;
     }
     // Nothing brings back a node that is thrown before a wave has crossed its element.
-    if (m > 0.0 && h * std::sqrt(bar.density / bar.modulus) < run.end) {
+    if (m > 0.0 && h * bar.slowness() < run.end) {
       regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / bar.modulus;
       if (bar.viscosity > 0.0)
@@ -222,7 +222,7 @@ Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop
   }
   ChatterWatch watch(system);
   if (is_penalised(trial.run.method)) found.chatters = false;
-  const double way_and_back = 2.0 * scene.bar.length * std::sqrt(scene.bar.density / scene.bar.modulus);
+  const double way_and_back = 2.0 * scene.bar.transit();
   double steps = 0.0;
   Observers observers;
   observers.event = [&](const Event& event) {
@@ -264,8 +264,7 @@ std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>
   Sight own = foreseen_by(trial, exact ? 1e300 : 3e6 / elements, stop);
   if (own.complete) return own.found;
   trial.method = MethodName::fully_discrete;
-  trial.step =
-      std::min(setup.mesh.spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density), run.end / 500.0);
+  trial.step = std::min(setup.mesh.spacing() / run.scene.bar.wave_speed(), run.end / 500.0);
   constexpr double most_nodal_steps = 1e8;
   if (1.5 * run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
   // A rigid obstacle is met no later.
@@ -337,7 +336,7 @@ std::optional<std::string> strain_remark(const Setup& setup, const BarSystem& sy
   if (run.scene.units.length.empty()) return std::nullopt;
   constexpr double small = 0.1;
   const Bar& bar = system.bar();
-  const double way = std::min(bar.length, run.end * std::sqrt(bar.modulus / bar.density));
+  const double way = std::min(bar.length, run.end * bar.wave_speed());
   const double strain = displacement_of_data(system, run.end) / way;
   if (strain <= small) return std::nullopt;
   return fmt::format(
@@ -364,7 +363,7 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
     if (system.wall(right)) return false;
     const std::size_t end = system.end(right), next = right ? end - 1 : end + 1;
     const double impedance = std::sqrt(masses[next] * system.bar().modulus / system.stretch_at(end));
-    const double viscous = system.bar().viscosity / (system.rate_stretch_at(end) * impedance);
+    const double viscous = system.bar().viscosity / (system.rate_stretch(system.element_at(end)) * impedance);
     const bool is_heavy = masses[end] > 2.0 * masses[next];  // its velocity has no jump
     if (is_heavy || 2.0 * viscous * viscous >= 1.0 || system.inputs()[right].dashpot >= 0.5 * impedance) return false;
     return std::abs(force[end] - masses[end] / masses[next] * force[next]) > noticed * scale * impedance;

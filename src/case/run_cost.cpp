@@ -25,7 +25,7 @@ constexpr double start_seconds = 3e-4;  // reading, building the system
 double wave_phase(const Setup& setup) {
   const Case& run = setup.run;
   const Bar& bar = run.scene.bar;
-  const double c = std::sqrt(bar.modulus / bar.density), mesh = c / setup.mesh.spacing();
+  const double c = bar.wave_speed(), mesh = c / setup.mesh.spacing();
   if (bar.viscosity == 0.0) return mesh * run.end;
   const double cap = std::min(mesh, bar.modulus / bar.viscosity);
   const double slope = 2.0 * bar.modulus / bar.viscosity;  // c sqrt(2 rho / eta), squared
@@ -40,7 +40,7 @@ double bounces(const Setup& setup, const ContactRegime& contact) {
   const auto elements = static_cast<double>(setup.run.elements);
   const double h = setup.mesh.spacing();
   const double until_quiet = 1.5 / (std::numbers::pi * std::max(*contact.damping_ratio, 1e-12));
-  const bool flies_with_the_wave = bar.viscosity < 0.2 * h * std::sqrt(bar.density * bar.modulus);
+  const bool flies_with_the_wave = bar.viscosity < 0.2 * h * bar.impedance();
   const double half_periods = setup.run.end / (std::numbers::pi * std::sqrt(contact.effective_mass * setup.epsilon));
   return std::min({until_quiet, flies_with_the_wave ? elements : half_periods, half_periods});
 }
@@ -79,7 +79,7 @@ double estimated_seconds(const Setup& setup) {
     return start_seconds + run.end / setup.step * (seconds.step + searches * seconds.node * nodes);
   }
   if (run.method == MethodName::characteristics) {
-    const double passages = run.end * std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / run.scene.bar.length;
+    const double passages = run.end * run.scene.bar.wave_speed() / run.scene.bar.length;
     return start_seconds + passages * seconds.step + run.end / run.output_every * nodes * seconds.node;
   }
   if (run.method == MethodName::exponential) {

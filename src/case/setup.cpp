@@ -82,7 +82,7 @@ Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   if (run.epsilon) return {*run.epsilon, asked};
   const Bar& bar = run.scene.bar;
   const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;
-  const double unit = natural_epsilon(run.scene), speed = std::sqrt(bar.modulus / bar.density);
+  const double unit = natural_epsilon(run.scene), speed = bar.wave_speed();
   // A mass that strikes an obstacle is (m epsilon)^(1/2) times its speed deep before it stops.
   double mass = 0.0;
   for (const auto& [end, input] :
@@ -101,7 +101,7 @@ Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
 
 Chosen<double> step_of(const Case& run, const Mesh& mesh) {
   if (run.step) return {*run.step, asked};
-  const double wave = mesh.spacing() / (100.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
+  const double wave = mesh.spacing() / (100.0 * run.scene.bar.wave_speed());
   // A bar so soft that no wave crosses an element within the run still moves as a whole.
   if (wave > run.end / 1000.0) return {run.end / 1000.0, "a thousandth of the run"};
   return {wave, "a hundredth of the time of a wave through an element"};

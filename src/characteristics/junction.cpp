@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "dynamics/finite_load.hpp"
 #include "run/step_failure.hpp"

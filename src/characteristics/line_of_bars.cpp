@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "characteristics/run.hpp"
 
@@ -11,7 +10,7 @@ namespace viscobar::characteristics {
 std::vector<LineBar> bars_of(const Scene& scene) {
   const auto of = [](std::size_t member, double begin, const Bar& bar, const SpaceFunction& section) {
     const double area = section ? section(0.0) : 1.0;
-    return LineBar{member, begin, bar.length, bar.density, area, std::sqrt(bar.modulus / bar.density)};
+    return LineBar{member, begin, bar.length, bar.density, area, bar.wave_speed()};
   };
   if (scene.chain.empty()) return {of(0, 0.0, scene.bar, scene.section)};
   std::vector<LineBar> bars;

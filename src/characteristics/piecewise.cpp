@@ -1,7 +1,6 @@
 #include "characteristics/piecewise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>

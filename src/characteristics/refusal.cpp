@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <variant>
 
 #include "characteristics/run.hpp"

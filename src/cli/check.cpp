@@ -74,10 +74,9 @@ std::string to_text(const ContactRegime& regime, const NumberText& number) {
 std::string model_text(const Case& run, const BarSystem& system) {
   const std::size_t nodes = system.mesh().nodes();
   if (run.method == MethodName::characteristics) {
-    double passage = run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus);
+    double passage = run.scene.bar.transit();
     for (const Member& member : run.scene.chain)
-      if (const Bar& bar = member.bar; !member.rigid())
-        passage = std::min(passage, bar.length * std::sqrt(bar.density / bar.modulus));
+      if (const Bar& bar = member.bar; !member.rigid()) passage = std::min(passage, bar.transit());
     return row("unknowns", "polynomial pieces of two waves{}; the {} nodes are for output only",
                run.scene.chain.empty() ? "" : " a bar", nodes) +
            row("passages", "{:.4g} of a wave through the {}bar, each L/c = {}", run.end / passage,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <optional>
@@ -84,7 +83,7 @@ class ActingLoad {
   Lift lift(double t, int derivative) const { return bar_.moving() ? bar_.lift(inside(t), derivative) : Lift{}; }
 
  private:
-  double apart() const { return 1e-4 * bar_.mesh().spacing() * std::sqrt(bar_.bar().density / bar_.bar().modulus); }
+  double apart() const { return 1e-4 * bar_.mesh().spacing() * bar_.bar().slowness(); }
 
   const BarSystem& bar_;
   std::optional<LoadVector> load_;

@@ -176,7 +176,7 @@ void BarSystem::take_elements(const Scene& scene) {
     for (std::size_t e = 0; e < piece.mesh.elements; ++e) {
       inverse_spacing_[piece.first + e] = piece.bar.modulus / bar_.modulus / piece.stretch(e);
       inverse_rate_[piece.first + e] = of_rate / piece.stretch(e);
-      fastest = std::max(fastest, std::sqrt(piece.bar.modulus / piece.bar.density) / piece.mesh.element(e));
+      fastest = std::max(fastest, piece.bar.wave_speed() / piece.mesh.element(e));
     }
     alike &= piece.rigid() || piece.bar.viscosity * bar_.modulus == bar_.viscosity * piece.bar.modulus;
     const Joint& joint = scene.chain[p].joint;
@@ -186,7 +186,7 @@ void BarSystem::take_elements(const Scene& scene) {
     alike &= joint.damping * bar_.modulus == joint.stiffness * bar_.viscosity;
   }
   if (alike) inverse_rate_.clear();
-  finest_ = std::sqrt(bar_.modulus / bar_.density) / fastest;
+  finest_ = bar_.wave_speed() / fastest;
 }
 
 void BarSystem::take_joints(const Scene& scene) {

@@ -63,8 +63,7 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
       stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
     else
       stiffness_.multiply([&](std::size_t i) { return u[i] + origin[i]; }, strain_);
-    stiffness_.add_walls(system_.bar().left_displacement().value_or(0.0),
-                         system_.bar().right_displacement().value_or(0.0), strain_);
+    stiffness_.add_walls(system_.bar().wall(false).value_or(0.0), system_.bar().wall(true).value_or(0.0), strain_);
   }
   if (!strain_rate_.empty()) stiffness_.multiply([&](std::size_t i) { return w[i]; }, strain_rate_);
   const bool inertial = asks_for_inertia_ && !a.empty();
@@ -86,7 +85,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   modulus_ = direction.bar.modulus - bar.modulus * stretched;
   viscosity_ = direction.bar.viscosity - bar.viscosity * stretched;
   inertia_ = direction.bar.density / bar.density + stretched;
-  const double crossing = bar.length * std::sqrt(bar.density / bar.modulus);
+  const double crossing = bar.transit();
   relative_change_ = std::abs(direction.bar.density) / bar.density + std::abs(direction.bar.modulus) / bar.modulus +
                      std::abs(direction.bar.viscosity) / (bar.modulus * crossing) + std::abs(stretched) +
                      std::abs(direction.restitution);
@@ -100,11 +99,10 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     if (rates.stiffness == 0.0 && rates.dashpot == 0.0 && mass == 0.0) continue;
     supports_.push_back({support.unknown, rates.stiffness, rates.dashpot, mass});
     relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
-                        std::abs(rates.dashpot) / std::sqrt(bar.modulus * bar.density) +
-                        std::abs(rates.mass) / (bar.density * bar.length);
+                        std::abs(rates.dashpot) / bar.impedance() + std::abs(rates.mass) / (bar.density * bar.length);
   }
   take_side(direction, stretched);
-  const double least_damping = std::sqrt(bar.density / bar.modulus);  // of lambda; small beside that of a dashpot
+  const double least_damping = bar.slowness();  // of lambda; small beside that of a dashpot
   for (std::size_t i = 0; i < system.contacts().size(); ++i) {
     LawRates rates{0.0, 0.0};
     if (const Stop* stop = system.contacts()[i].law.stop()) {
@@ -166,7 +164,7 @@ void Derivative::take_side(const Direction& direction, double stretched) {
     stiffness[j] += stretched * own->stiffness(j);
     drag[j] += stretched * own->drag(j);
     change = std::max(change, std::abs(stiffness[j]) * bar.length * bar.length / bar.modulus +
-                                  std::abs(drag[j]) * bar.length / std::sqrt(bar.modulus * bar.density));
+                                  std::abs(drag[j]) * bar.length / bar.impedance());
   }
   relative_change_ += change;
   side_ = own->with(std::move(stiffness), std::move(drag));
@@ -189,7 +187,7 @@ double Derivative::stretch(std::size_t end, std::span<const double> x, std::span
   const auto at = [&](std::size_t i) { return x[i] + (origin.empty() ? 0.0 : origin[i]); };
   if (end == 0 && x.size() > 1) return at(0) - at(1);
   if (end > 0) return at(end) - at(end - 1);
-  return at(0) - (walls.left_fixed() ? *walls.left_displacement() : *walls.right_displacement());
+  return at(0) - *walls.wall(!walls.left_fixed());
 }
 
 double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
@@ -262,8 +260,8 @@ void Derivative::drive(const Moment& at) {
     const auto share = [&](std::size_t i) { return bar.moving() ? bar.share(i) : 0.0; };
     chain_->stiffness.multiply(
         [&](std::size_t i) { return at.u[i] + contacts_.origin().at(i) + placed_by.at(share(i)); }, product_);
-    chain_->stiffness.add_walls(bar.left_displacement().value_or(0.0) + placed_by.left,
-                                bar.right_displacement().value_or(0.0) + placed_by.right, product_);
+    chain_->stiffness.add_walls(bar.wall(false).value_or(0.0) + placed_by.left,
+                                bar.wall(true).value_or(0.0) + placed_by.right, product_);
     subtract();
     chain_->viscosity.multiply([&](std::size_t i) { return at.w[i] + moved_by.at(share(i)); }, product_);
     chain_->viscosity.add_walls(moved_by.left, moved_by.right, product_);
@@ -411,7 +409,7 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
                (chain_            ? row(chain_->inertia, at.w)
                 : inertia_ == 0.0 ? 0.0
                                   : inertia_ * row(bar.inertia(), at.w)) +
-               bar.bar().viscosity / bar.rate_stretch_at(end) * stretch(end, s, {}, data_) +
+               bar.bar().viscosity / bar.rate_stretch(bar.element_at(end)) * stretch(end, s, {}, data_) +
                viscous_of(bar.element_at(end)) * stretch(end, at.u, contacts_.origin().values(), bar);
   if (bar.moving()) sum += lift_inertia(end, lift_[1]) + viscous_of(bar.element_at(end)) * lift_stretch(end, lift_[0]);
   for (const Support& support : bar.supports())

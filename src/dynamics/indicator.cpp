@@ -1,8 +1,5 @@
 #include "dynamics/indicator.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "dynamics/contact_rows.hpp"
 
 namespace viscobar {
@@ -24,9 +21,6 @@ void add_joint_weights(const JointRow& row, IndicatorWeights& weights) {
   weights.values[3] += unit * row.side_stiffness[1];
   weights.values[7] = unit * row.side_stiffness[2];
 }
-
-// Time of a wave through the bar.
-double push_time(const Bar& bar) { return bar.length * std::sqrt(bar.density / bar.modulus); }
 
 }  // namespace
 
@@ -71,7 +65,7 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   if (!held || contacts[i].follows) return weights;
   const Bar& material = bar.bar();
   weights.values = {0.0, sign,
-                    bar.is_chain() ? sign * material.viscosity / bar.rate_stretch_at(contacts[i].unknown) *
+                    bar.is_chain() ? sign * material.viscosity / bar.rate_stretch(bar.element_at(contacts[i].unknown)) *
                                          bar.stretch_at(contacts[i].unknown) / material.modulus
                                    : sign * material.viscosity / material.modulus};
   weights.alone = false;
@@ -135,7 +129,7 @@ double Indicators::rounding(std::size_t i, double largest) const {
 
 std::optional<IndicatorWeights> push_weights(const Contacts& contacts, std::size_t i) {
   const Stop* law = contacts[i].law.stop();
-  const auto push = law ? law->push(push_time(contacts.bar().bar())) : std::nullopt;
+  const auto push = law ? law->push(contacts.bar().bar().transit()) : std::nullopt;
   if (!push) return std::nullopt;
   const double sign = contacts[i].sign, offset = push->a * contacts.offset(i) - push->e;
   if (contacts[i].joint > 0)
@@ -145,7 +139,7 @@ std::optional<IndicatorWeights> push_weights(const Contacts& contacts, std::size
 }
 
 double push_rate(const Contacts& contacts, std::size_t i, double clearance, double w, double w_bar, const Stop& rates) {
-  const double time = push_time(contacts.bar().bar());
+  const double time = contacts.bar().bar().transit();
   const Stop& stop = *contacts[i].law.stop();
   const Stop::Push push = *stop.push(time), rate = stop.push_rate(time, rates);
   return push.a * clearance + contacts[i].sign * (push.b * w + rate.b * w_bar) - rate.e;

@@ -3,13 +3,14 @@
 #include <array>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
 #include "dynamics/penalised_system.hpp"
+#include "dynamics/unit_stiffness.hpp"
 
 namespace viscobar {
+
+class Derivative;
 
 /// At an instant at which nodal forces b or their rates jump, by [b] and [b'], no mesh resolves what the jump sets
 /// going in its high modes, and those near the upper edge of its spectrum stay at the end and ring: the velocity of an

@@ -74,8 +74,7 @@ double moved_by_ends(const BarSystem& system, double tau, double end) {
   for (const bool right : {false, true}) {
     const EndInput& input = system.inputs()[right];
     if (input.force)
-      most = std::max(
-          most, tau * mean_size(input.force->value, input.force->breaks, end) / std::sqrt(bar.density * bar.modulus));
+      most = std::max(most, tau * mean_size(input.force->value, input.force->breaks, end) / bar.impedance());
     if (input.motion && system.wall(right))
       most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   }
@@ -96,7 +95,7 @@ double moved_by_obstacles(const BarSystem& system, double end) {
 double displacement_of_data(const BarSystem& system, double end) {
   const Bar& bar = system.bar();
   const State start = system.initial_state();
-  const double tau = std::min(bar.length * std::sqrt(bar.density / bar.modulus), end);
+  const double tau = std::min(bar.transit(), end);
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
@@ -109,7 +108,7 @@ double displacement_of_data(const BarSystem& system, double end) {
 NaturalScales natural_scales(const BarSystem& system, double end) {
   const Bar& bar = system.bar();
   const double scale = displacement_of_data(system, end);
-  return {bar.length * std::sqrt(bar.density / bar.modulus), scale > 0.0 ? scale : bar.length};
+  return {bar.transit(), scale > 0.0 ? scale : bar.length};
 }
 
 }  // namespace viscobar

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "dynamics/acting_load.hpp"
 #include "dynamics/contacts.hpp"

@@ -1,5 +1,6 @@
 #include "viscobar/dynamics/penalty_law.hpp"
 
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 

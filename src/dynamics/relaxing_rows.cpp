@@ -54,8 +54,8 @@ RelaxingRow resting_row(const Contacts& contacts, std::size_t contact_index) {
   };
   const std::size_t last = bar.mesh().elements;
   const std::optional<std::size_t> none;
-  if (node > 0) beside(node - 1, i > 0 ? std::optional(i - 1) : none, bar.left_displacement());
-  if (node < last) beside(node, i + 1 < bar.size() ? std::optional(i + 1) : none, bar.right_displacement());
+  if (node > 0) beside(node - 1, i > 0 ? std::optional(i - 1) : none, bar.wall(false));
+  if (node < last) beside(node, i + 1 < bar.size() ? std::optional(i + 1) : none, bar.wall(true));
   if (!bar.inertia().one_sided.empty() && row.count == 1) {
     const std::array<double, 3> shares = bar.inertia().one_sided_entries(i, i > 0);
     row.neighbours[0].a_share += shares[1];
@@ -80,8 +80,8 @@ RelaxingRow resting_row(const Contacts& contacts, std::size_t contact_index) {
     const auto pull = [&](std::size_t j, double u) { row.constant -= entry(j) * side->stiffness(j) * u; };
     row.rate += entry(node) * side->stiffness(node), damping += entry(node) * side->drag(node);
     pull(node, contacts.origin().at(i));
-    if (i == 0 && node > 0) pull(0, *bar.left_displacement());
-    if (i + 1 == bar.size() && node < last) pull(last, *bar.right_displacement());
+    if (i == 0 && node > 0) pull(0, *bar.wall(false));
+    if (i + 1 == bar.size() && node < last) pull(last, *bar.wall(true));
     for (std::size_t n = 0; n < row.count; ++n) {
       RelaxingRow::Neighbour& neighbour = row.neighbours[n];
       const std::size_t j = neighbour.unknown + bar.first_node();

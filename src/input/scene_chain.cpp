@@ -139,7 +139,7 @@ std::vector<Mesh> meshes_of(const SceneEntries& entries, const std::vector<Membe
   for (std::size_t m = 0; m < chain.size(); ++m) {
     const Bar& bar = chain[m].bar;
     if (chain[m].rigid()) continue;
-    transits[m] = bar.length * std::sqrt(bar.density / bar.modulus);
+    transits[m] = bar.transit();
     const auto number = [&](const char* leaf) { return entries.number(key_of("bar", m + 1, leaf)); };
     meshes[m].given = nodes_of(entries, key_of("bar", m + 1, "nodes"), bar.length);
     if (!meshes[m].given)

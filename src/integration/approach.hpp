@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "dynamics/obstacle_motion.hpp"
 #include "scene/times.hpp"
 
 namespace viscobar {

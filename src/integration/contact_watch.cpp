@@ -393,7 +393,8 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   End& end = ends_.emplace_back(End{&account, right, bar_.wall(!right).value_or(0.0), unknown});
   if (n > 1) end.next = right ? unknown - 1 : 1;
   end.follows = massless && !bar_.damped();
-  end.modulus = bar_.bar().modulus / h, end.viscosity = bar_.bar().viscosity / bar_.rate_stretch_at(unknown);
+  end.modulus = bar_.bar().modulus / h,
+  end.viscosity = bar_.bar().viscosity / bar_.rate_stretch(bar_.element_at(unknown));
   end.mass = inertia.diagonal[unknown] + row[0], end.beyond = row[2];
   if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
   for (const Support& support : bar_.supports())

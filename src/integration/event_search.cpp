@@ -12,6 +12,7 @@
 
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/contact_rows.hpp"
+#include "dynamics/obstacle_motion.hpp"
 #include "integration/approach.hpp"
 
 namespace viscobar {
@@ -296,8 +297,7 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = contacts_[i].unknown;
-  const double h = system_.bar().stretch_at(node),
-               impedance = system_.bar().massless(node) ? 0.0 : std::sqrt(bar.modulus * bar.density);
+  const double h = system_.bar().stretch_at(node), impedance = system_.bar().massless(node) ? 0.0 : bar.impedance();
   const std::span<const double> against = push_between(i, from, until);
   const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;
   const double gained = force / (bar.density * bar.length) * time;

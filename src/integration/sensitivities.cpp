@@ -152,7 +152,7 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
     return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(contacts_[i].of(acceleration_)) * u;
   const double h = bar.stretch_at(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
-  const double speed = std::sqrt(bar.bar().modulus / bar.bar().density);
+  const double speed = bar.bar().wave_speed();
   const double flattest = std::sqrt(2.0 * reaction * h / length * weights_->largest_displacement()) * speed / length;
   return std::abs(rate) * h / bar.bar().modulus <= flattest;
 }

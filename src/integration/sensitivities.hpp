@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/derivative.hpp"
 #include "dynamics/jump_filter.hpp"
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"

@@ -556,7 +556,7 @@ class StepwisePart {
     const double h = mesh.element(contact.joint > 0              ? system_.bar().element_at(contact.unknown)
                                   : contact.where == Where::left ? 0
                                                                  : mesh.elements - 1);
-    return t - withheld_->last < h * std::sqrt(bar.density / bar.modulus);
+    return t - withheld_->last < h * bar.slowness();
   }
 
   void withhold_closing(double t, std::size_t i, double velocity) {

@@ -55,8 +55,7 @@ std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const S
                                input.stiffness * bar.length / bar.modulus));
   if (input.dashpot > 0.0)
     text.push_back(fmt::format("dashpot c = {} = {:.3g} sqrt(E rho)",
-                               with_unit_of("left.dashpot", input.dashpot, scene),
-                               input.dashpot / std::sqrt(bar.modulus * bar.density)));
+                               with_unit_of("left.dashpot", input.dashpot, scene), input.dashpot / bar.impedance()));
   if (input.mass > 0.0)
     text.push_back(fmt::format("mass m = {} = {:.3g} of the bar's", with_unit_of("left.mass", input.mass, scene),
                                input.mass / (bar.density * bar.length)));
@@ -328,8 +327,7 @@ std::string check_json(const SceneCheck& check) {
   json["title"] = run.scene.title;
   json["method"] = name(run.method);
   json["method_requested"] = run.automatic ? automatic : name(run.method);
-  if (run.method == MethodName::characteristics)
-    json["passages"] = run.end / (run.scene.bar.length * std::sqrt(run.scene.bar.density / run.scene.bar.modulus));
+  if (run.method == MethodName::characteristics) json["passages"] = run.end / run.scene.bar.transit();
   if (run.method == MethodName::odeint)
     json["stepper"] = name(plan(system, run.end, std::get<Odeint>(check.setup.method)).stepper);
   json["nodes"] = system.mesh().nodes();

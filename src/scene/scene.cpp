@@ -104,10 +104,10 @@ Bar whole_of(const std::vector<Member>& chain) {
     of_density &= bar.density == first->density;
     of_modulus &= bar.modulus == first->modulus;
     of_viscosity &= bar.viscosity == first->viscosity;
-    const double transit = bar.length * std::sqrt(bar.density / bar.modulus);
+    const double transit = bar.transit();
     length += bar.length;
     time += transit;
-    impedance += transit * std::sqrt(bar.density * bar.modulus);
+    impedance += transit * bar.impedance();
     relaxation = std::max(relaxation, bar.viscosity / bar.modulus);
   }
   if (!first) return {0.0, 1.0, 1.0, 0.0};

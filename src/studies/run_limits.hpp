@@ -32,6 +32,9 @@ Statistics simulate_within(const RunLimits& limits, const Setup& setup, const Ba
 /// The same on the output times of the setup.
 Statistics simulate_within(const RunLimits& limits, const Setup& setup, const BarSystem& system, Observers observers);
 
+/// Beyond this, dense matrix exponentials take longer than everything else together.
+inline constexpr std::size_t most_exponential_elements = 100;
+
 /// The first fault of a setup, "key: problem". Absent where there is none.
 std::optional<std::string> fault_in_words(const Setup& setup);
 

@@ -91,7 +91,7 @@ TEST(Classes, PublicFunctionsAreCounted) {
 
 TEST(Classes, HaveTwentyFivePublicFunctionsAtMost) {
   // The number of an exception may only fall.
-  const std::map<std::string, std::size_t> exceptions = {{"BarSystem", 86}};
+  const std::map<std::string, std::size_t> exceptions = {{"BarSystem", 83}};
   std::size_t classes = 0;
   for (const std::string root : {VISCOBAR_SOURCE_DIR "/src", VISCOBAR_SOURCE_DIR "/include/viscobar"})
     for (const auto& entry : fs::recursive_directory_iterator(root)) {

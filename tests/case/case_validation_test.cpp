@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "case/run_cost.hpp"
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -12,10 +13,7 @@ namespace {
 
 Case sound_case() {
   Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, 0.1};
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.1);
   run.elements = 8;
   run.epsilon = 1e-3;
   return run;

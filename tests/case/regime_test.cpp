@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
@@ -18,10 +19,7 @@ constexpr double h = 1.0 / elements;
 // A bar at speed 1 with its left end on the obstacle, watched until a wave has been to the free end.
 Case falling(double viscosity, double epsilon, Mass mass) {
   Case run;
-  run.scene.bar.viscosity = viscosity;
-  run.scene.left = Obstacle{0.0};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.0, 1.0, viscosity);
   run.elements = elements;
   run.mass = mass;
   run.epsilon = epsilon;

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -15,12 +15,6 @@ namespace {
 
 Recording run_of(const std::string& text, const std::vector<std::string>& settings = {}) {
   return record(parse_scene(text, "", settings).run);
-}
-
-double largest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = a.size() == b.size() ? 0.0 : 1e300;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 std::string method_text(const std::string& method, double restitution) {
@@ -109,7 +103,7 @@ TEST(RigidBodies, OneBondedToTheEndIsAMassOnIt) {
       const Recording one =
           run_of("[bar]\n" + of_bar + left + (fixed ? "" : "mass = 2.0\n") + "[mesh]\nelements = 8\n" + rest, settings);
       ASSERT_EQ(chain.events.size(), one.events.size()) << method << left;
-      EXPECT_LT(largest_difference(chain.u, one.u), 1e-6) << method << left;
+      EXPECT_LT(distance(chain.u, one.u), 1e-6) << method << left;
       EXPECT_NEAR(chain.statistics.account->left.impulse, one.statistics.account->left.impulse, 1e-5) << method << left;
     }
 }
@@ -124,7 +118,7 @@ TEST(RigidBodies, ARamOnASpringMeetsAWallByAllMethodsAlike) {
   ASSERT_EQ(truth.events.size(), 2U);
   for (const char* method : {"cvode", "arkode", "ida", "fully_discrete"}) {
     const Recording found = run_of(text + method_text(method, 0.0), settings);
-    EXPECT_LT(largest_difference(found.u, truth.u), 1e-3) << method;
+    EXPECT_LT(distance(found.u, truth.u), 1e-3) << method;
     EXPECT_NEAR(found.statistics.account->left.impulse, truth.statistics.account->left.impulse, 5e-3) << method;
     EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-4) << method;
   }
@@ -155,7 +149,7 @@ TEST(RigidBodies, ARamOnACapIsToldByItsRow) {
         return run_of(scene, {"time.end=2.0", std::string("method.step=") + step});
       };
       const Recording found = run("rigid", "1.0"), scheme = run("fully_discrete", "5e-5");
-      EXPECT_LT(largest_difference(scheme.u, found.u), 2.0 * 2.0 * 5e-5) << at_ram << mirrored;
+      EXPECT_LT(distance(scheme.u, found.u), 2.0 * 2.0 * 5e-5) << at_ram << mirrored;
       for (const std::size_t k : {0, 1}) {
         const auto impulse = [k](const Recording& of) { return of.statistics.account->joints.at(k).impulse; };
         EXPECT_NEAR(impulse(found), impulse(scheme), 2e-3) << at_ram << mirrored << k;

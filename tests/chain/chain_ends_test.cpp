@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -17,12 +18,6 @@ using Settings = std::vector<std::string>;
 
 Recording run_of(const std::string& text, const Settings& settings = {}) {
   return record(parse_scene(text, "", settings).run);
-}
-
-double largest_difference(std::span<const double> a, std::span<const double> b) {
-  double most = a.size() == b.size() ? 0.0 : 1e300;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
 }
 
 // Each kind of motion, with and without a kink, and what else an end may have.
@@ -64,8 +59,8 @@ TEST(MovedChains, PartsOfABarMoveAsThatDoes) {
         const std::string what = fmt::format("{} {}\n{}", method, viscosity, ends);
         ASSERT_EQ(chain.events.size(), one.events.size()) << what;
         const double allowed = name == "fully_discrete" || name == "characteristics" ? 1e-10 : 1e-7;
-        EXPECT_LT(largest_difference(chain.u, one.u), allowed) << what;
-        EXPECT_LT(largest_difference(chain.v, one.v), 100 * allowed) << what;
+        EXPECT_LT(distance(chain.u, one.u), allowed) << what;
+        EXPECT_LT(distance(chain.v, one.v), 100 * allowed) << what;
         for (std::size_t k = 0; k < one.events.size(); ++k) {
           EXPECT_NEAR(chain.events[k].time, one.events[k].time, 100 * allowed) << what;
           EXPECT_NEAR(chain.events[k].velocity, one.events[k].velocity, 1000 * allowed) << what;
@@ -105,7 +100,7 @@ TEST(MovedChains, AWallThatMovesIsAHeavyBodyUnderAForce) {
         run_of(unlike("", "[left]\nkind = \"fixed\"\nmotion = \"0.075*sin(2*t)^2\"\n" + joints_behind, method));
     const Recording heavy = run_of(unlike(body, pushed + "[[joint]]\nkind = \"bonded\"\n" + joints_behind, method));
     ASSERT_GE(wall.events.size(), 1U) << method;
-    EXPECT_LT(largest_difference(wall.u, heavy.u), 1e-5) << method;
+    EXPECT_LT(distance(wall.u, heavy.u), 1e-5) << method;
     EXPECT_NEAR(wall.events[0].time, heavy.events[0].time, 1e-5) << method;
     EXPECT_NEAR(wall.events[0].velocity, heavy.events[0].velocity, 1e-4) << method;
     EXPECT_NEAR(wall.statistics.account->joints.at(0).impulse, heavy.statistics.account->joints.at(1).impulse, 1e-4)
@@ -123,7 +118,7 @@ TEST(MovedChains, AWallThatMovesIsAHeavyBodyUnderAForce) {
       EXPECT_NEAR(wall.events[k].time, heavy.events[k].time, 1e-4) << method;
     const std::size_t nodes = wall.mesh.nodes();
     for (std::size_t k = 0; k < wall.times.size(); ++k)
-      EXPECT_LT(largest_difference(wall.displacement(k), heavy.displacement(k).last(nodes)), 1e-5) << method << k;
+      EXPECT_LT(distance(wall.displacement(k), heavy.displacement(k).last(nodes)), 1e-5) << method << k;
     EXPECT_NEAR(wall.statistics.account->left.impulse, heavy.statistics.account->joints.at(0).impulse, 1e-4) << method;
     EXPECT_NEAR(wall.statistics.energy->balance_error(), 0.0, 1e-7) << method;
   }
@@ -133,7 +128,7 @@ TEST(MovedChains, AWallThatMovesIsAHeavyBodyUnderAForce) {
 TEST(MovedChains, TheSchemeFollowsThem) {
   const std::string left = "[left]\nkind = \"fixed\"\nmotion = \"0.075*sin(2*t)^2\"\n" + joints_behind;
   const Recording scheme = run_of(unlike("", left, "fully_discrete")), rigid = run_of(unlike("", left, "rigid"));
-  EXPECT_LT(largest_difference(scheme.u, rigid.u), 4e-3);
+  EXPECT_LT(distance(scheme.u, rigid.u), 4e-3);
   EXPECT_NEAR(scheme.statistics.energy->balance_error(), 0.0, 1e-9);
   EXPECT_NEAR(scheme.statistics.energy->work, rigid.statistics.energy->work, 1e-2);
 }
@@ -145,7 +140,7 @@ TEST(MovedChains, ElasticOnesAreWhatWavesAre) {
     const Settings fine = {"mesh.elements=460", "mesh.mass=fourth_order"};
     const Recording waves = run_of(unlike("", left + joints_behind, "characteristics", true), fine),
                     mesh = run_of(unlike("", left + joints_behind, "rigid", true), fine);
-    EXPECT_LT(largest_difference(waves.u, mesh.u), 2e-3) << left;
+    EXPECT_LT(distance(waves.u, mesh.u), 2e-3) << left;
   }
 }
 

@@ -9,27 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "support/dense_matrix.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {
-
-using Eigen::Index;
-using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
-
-MatrixXd dense(const BandedMatrix& matrix) {
-  const auto n = static_cast<Index>(matrix.size());
-  MatrixXd full(n, n);
-  std::vector<double> unit(matrix.size()), column(matrix.size());
-  for (Index j = 0; j < n; ++j) {
-    std::ranges::fill(unit, 0.0);
-    unit[static_cast<std::size_t>(j)] = 1.0;
-    matrix.multiply(unit, column);
-    for (Index i = 0; i < n; ++i) full(i, j) = column[static_cast<std::size_t>(i)];
-  }
-  return full;
-}
 
 // The frequencies of a system, rising, and the largest imaginary part of their squares.
 std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
@@ -167,11 +153,7 @@ TEST(Bonded, APulsePassesAnInterfaceToFourthOrder) {
         trace.push_back(found.displacement(k)[static_cast<std::size_t>(node)]);
     EXPECT_NEAR(found.statistics.energy->balance_error() / found.statistics.energy->initial, 0.0, 1e-8);
   }
-  const auto difference = [&](std::size_t m) {
-    double most = 0.0;
-    for (std::size_t k = 0; k < traces[m].size(); ++k) most = std::max(most, std::abs(traces[m][k] - traces[m + 1][k]));
-    return most;
-  };
+  const auto difference = [&](std::size_t m) { return distance(traces[m], traces[m + 1]); };
   EXPECT_GT(order(difference(1), difference(2)), 3.6) << difference(0) << ' ' << difference(1) << ' ' << difference(2);
   EXPECT_LT(difference(2), 1e-6);
 }
@@ -197,12 +179,7 @@ TEST(BarMeshes, APulsePassesAnInterfaceToFourthOrderByEveryKindOfMethod) {
         for (const int node : {0, elements, 2 * elements})
           trace.push_back(found.displacement(k)[static_cast<std::size_t>(node)]);
     }
-    const auto difference = [&](std::size_t m) {
-      double most = 0.0;
-      for (std::size_t k = 0; k < traces[m].size(); ++k)
-        most = std::max(most, std::abs(traces[m][k] - traces[m + 1][k]));
-      return most;
-    };
+    const auto difference = [&](std::size_t m) { return distance(traces[m], traces[m + 1]); };
     EXPECT_GT(order(difference(1), difference(2)), 3.7)
         << method << ' ' << difference(0) << ' ' << difference(1) << ' ' << difference(2);
   }

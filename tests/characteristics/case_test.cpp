@@ -1,8 +1,6 @@
 // The method as scenes and studies meet it.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 

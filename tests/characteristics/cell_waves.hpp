@@ -1,9 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -26,7 +24,7 @@ struct CellWaves {
 
   CellWaves(const Scene& scene, std::size_t cells, std::size_t steps, std::span<const std::size_t> kept = {}) {
     const Bar& bar = scene.bar;
-    const double c = std::sqrt(bar.modulus / bar.density), dx = bar.length / static_cast<double>(cells);
+    const double c = bar.wave_speed(), dx = bar.length / static_cast<double>(cells);
     step = dx / c;
     const auto x = [&](double j) { return dx * j; };
     std::vector<double> a(cells), b(cells);  // rightward and leftward, of cell (j, j + 1)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -39,7 +40,13 @@ inline Followed followed(const Scene& scene, const std::vector<double>& times, s
   return run;
 }
 
-inline double wave_speed(const Bar& bar) { return std::sqrt(bar.modulus / bar.density); }
+/// max |u| of all nodes and times.
+inline double largest(const Followed& run) {
+  double size = 0.0;
+  for (const auto& row : run.u)
+    for (const double u : row) size = std::max(size, std::abs(u));
+  return size;
+}
 
 inline double largest_energy(const EnergyAccount& energy) {
   return std::max({energy.initial, energy.final, std::abs(energy.work)});

@@ -90,7 +90,7 @@ TEST(KnownBar, OfSteelHitsForTwoPassages) {
     scene.bar = bar;
     scene.left = Obstacle{gap};
     scene.velocity = [v = speed](double) { return -v; };
-    const double c = wave_speed(bar), contact = 2.0 * bar.length / c, touch = gap / speed;
+    const double c = bar.wave_speed(), contact = 2.0 * bar.length / c, touch = gap / speed;
     const Followed run = followed(scene, {0.0, 0.5 * touch, touch + 2.0 * contact}, 3);
     ASSERT_EQ(run.events.size(), 2u);
     EXPECT_NEAR(run.events[0].time, touch, 1e-12 * touch);

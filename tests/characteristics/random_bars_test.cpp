@@ -6,25 +6,13 @@
 #include "characteristics/cell_waves.hpp"
 #include "characteristics/followed.hpp"
 #include "characteristics/random_bar.hpp"
+#include "support/maximum_norm.hpp"
 
 namespace viscobar {
 namespace {
 
 using oracle::CellWaves;
 using oracle::RandomBar;
-
-double largest(const Followed& run) {
-  double size = 0.0;
-  for (const auto& row : run.u)
-    for (const double u : row) size = std::max(size, std::abs(u));
-  return size;
-}
-
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double off = 0.0;
-  for (std::size_t j = 0; j < a.size(); ++j) off = std::max(off, std::abs(a[j] - b[j]));
-  return off;
-}
 
 class RandomBars : public testing::TestWithParam<RandomBar::Loads> {};
 INSTANTIATE_TEST_SUITE_P(Loads, RandomBars, testing::Values(RandomBar::Loads::none, RandomBar::Loads::any),
@@ -73,11 +61,11 @@ TEST(RandomBars, AreTheSameInAMirror) {
     std::swap(mirror.left, mirror.right);
     mirror.displacement = [&](double x) { return scene.displacement(length - x); };
     mirror.velocity = [&](double x) { return scene.velocity(length - x); };
-    const std::vector<double> times = equal_times(4.0 * length / wave_speed(scene.bar), 40);
+    const std::vector<double> times = equal_times(4.0 * length / scene.bar.wave_speed(), 40);
     const Followed one = followed(scene, times), other = followed(mirror, times);
     for (std::size_t k = 0; k < times.size(); ++k) {
       std::vector<double> reversed(other.u[k].rbegin(), other.u[k].rend());
-      ASSERT_LT(difference(one.u[k], reversed), 1e-11 * largest(one)) << "seed " << seed << ", t = " << times[k];
+      ASSERT_LT(distance(one.u[k], reversed), 1e-11 * largest(one)) << "seed " << seed << ", t = " << times[k];
     }
   }
 }
@@ -164,9 +152,9 @@ TEST(RandomBars, ReturnToTheirDataAfterAThousandPassages) {
     Scene scene = random.scene(RandomBar::Loads::none);
     scene.left = scene.right = Fixed{};
     // Ends that stand still, as their velocity does: no jump there, so that the data come back bit by bit but for sums.
-    const double period = 2.0 * scene.bar.length / wave_speed(scene.bar);
+    const double period = 2.0 * scene.bar.length / scene.bar.wave_speed();
     const Followed run = followed(scene, {0.0, 500.0 * period}, 20);
-    EXPECT_LT(difference(run.u[0], run.u[1]), 1e-12) << seed;
+    EXPECT_LT(distance(run.u[0], run.u[1]), 1e-12) << seed;
   }
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "support/random_vector.hpp"
 namespace viscobar::testing_bar_system {

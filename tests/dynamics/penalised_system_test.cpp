@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/energy_terms.hpp"

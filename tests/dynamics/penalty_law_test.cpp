@@ -15,17 +15,15 @@ TEST(PenaltyLaw, IsLinearWhileActiveAndNothingOtherwise) {
   EXPECT_EQ(law.reaction(0.5, 2.0), 56.0);
   for (const double open : {0.0, -0.5}) {
     EXPECT_EQ(law.reaction(open, 2.0), 0.0);
-    EXPECT_EQ(law.tangent_stiffness(open), 0.0);
-    EXPECT_EQ(law.tangent_damping(open), 0.0);
     EXPECT_EQ(law.energy(open), 0.0);
   }
 }
 
-TEST(PenaltyLaw, TangentsAndEnergyAreItsDerivativesAndIntegral) {
+TEST(PenaltyLaw, TangentsAreStiffnessAndDampingAndEnergyItsIntegral) {
   const PenaltyLaw law{.stiffness = 128.0, .damping = 4.0};
   const double d = 0.5, rate = 0.25, step = 0.125;  // exact in binary: differences of a linear law have no error
-  EXPECT_EQ((law.reaction(d + step, rate) - law.reaction(d - step, rate)) / (2 * step), law.tangent_stiffness(d));
-  EXPECT_EQ((law.reaction(d, rate + step) - law.reaction(d, rate - step)) / (2 * step), law.tangent_damping(d));
+  EXPECT_EQ((law.reaction(d + step, rate) - law.reaction(d - step, rate)) / (2 * step), law.stiffness);
+  EXPECT_EQ((law.reaction(d, rate + step) - law.reaction(d, rate - step)) / (2 * step), law.damping);
   EXPECT_EQ((law.energy(d + step) - law.energy(d - step)) / (2 * step), law.reaction(d, 0.0));
 }
 

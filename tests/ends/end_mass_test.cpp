@@ -2,13 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "ends/closed_forms.hpp"
 #include "viscobar/case/recording.hpp"

@@ -87,18 +87,6 @@ class RandomEnds {
   std::size_t seed_of_mass_ = random_() % 12;
 };
 
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
-double largest_of(const std::vector<double>& a) {
-  double most = 0.0;
-  for (const double x : a) most = std::max(most, std::abs(x));
-  return most;
-}
-
 constexpr unsigned scenes = 40;
 
 /// Error bounds that follow from displacements wrong by a hundred tolerances of the largest one, and velocities by as
@@ -112,7 +100,7 @@ struct Allowed {
       mount = std::max(mount, end->stiffness), dashpot = std::max(dashpot, end->dashpot), mass += end->mass;
     // The promise is one of the frame of what moves, whose displacements and velocities are up to twice those of the
     // bar.
-    const double largest = 2.0 * largest_of(exact.u), fastest = 2.0 * largest_of(exact.v);
+    const double largest = 2.0 * viscobar::largest(exact.u), fastest = 2.0 * viscobar::largest(exact.v);
     u = 100.0 * run.tolerance.relative * largest;
     v = 100.0 * run.tolerance.relative * fastest;
     reaction = u / *run.epsilon;
@@ -148,8 +136,8 @@ TEST(EndInputs, AdaptiveMethodsKeepTheirPromiseAgainstTheExponential) {
         continue;
       if (random.algebraic() && (method == "cvode" || method == "odeint")) continue;
       const Recording one = record(parse_scene(random.by(method, 1e-3), "").run);
-      EXPECT_LE(difference(one.u, exact.u), allowed.u) << method;
-      EXPECT_LE(difference(one.v, exact.v), allowed.v) << method;
+      EXPECT_LE(distance(one.u, exact.u), allowed.u) << method;
+      EXPECT_LE(distance(one.v, exact.v), allowed.v) << method;
       ASSERT_EQ(one.events.size(), exact.events.size()) << method;
       const EndAccount &a = one.statistics.account->left, &b = exact.statistics.account->left;
       const EndAccount &p = one.statistics.account->right, &q = exact.statistics.account->right;
@@ -187,7 +175,7 @@ TEST(EndInputs, TheSchemeAndRigidAndTheStiffPenaltyHaveOneLimit) {
     };
     const Recording rigid = by("rigid", 1e-7, 1e-4);
     EXPECT_NEAR(rigid.statistics.energy->balance_error(), 0.0, 1e-5);
-    const auto off = [&](const Recording& one) { return difference(one.u, rigid.u); };
+    const auto off = [&](const Recording& one) { return distance(one.u, rigid.u); };
     const Recording coarse = by("fully_discrete", 1e-7, 4e-4), fine = by("fully_discrete", 1e-7, 1e-4);
     EXPECT_NEAR(fine.statistics.energy->balance_error(), 0.0, 1e-9);  // an identity
     // Where the part of dt^2 shows at these steps (one scene of 40, power 1.076), it does not at a quarter of them.

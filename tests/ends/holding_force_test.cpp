@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"

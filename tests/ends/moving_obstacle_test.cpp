@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -142,11 +143,7 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
         "[output]\nevery = 0.05\n",
         end, mass, method, step);
   };
-  const auto apart = [](const Recording& a, const Recording& b) {
-    double most = 0.0;
-    for (std::size_t i = 0; i < a.u.size(); ++i) most = std::max(most, std::abs(a.u[i] - b.u[i]));
-    return most;
-  };
+  const auto apart = [](const Recording& a, const Recording& b) { return distance(a.u, b.u); };
   const std::string left = "[left]\nkind = \"obstacle\"\ngap = \"t < 0.5 ? 0.2 : 0.3\"\n";
   for (const std::string& end :
        {left + "[initial]\nvelocity = -1\n", left + "[initial]\nvelocity = -1\n[right]\nkind = \"free\"\nmass = 0.3\n",

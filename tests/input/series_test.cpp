@@ -15,6 +15,7 @@
 
 #include "input/described_scene.hpp"
 #include "input/trace_file.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::testing_series {
@@ -150,11 +151,7 @@ std::string rows(std::size_t n, double last, auto&& f, const std::string& names 
   return text;
 }
 
-double apart(const Recording& a, const Recording& b) {
-  double most = 0.0;
-  for (std::size_t k = 0; k < a.u.size(); ++k) most = std::max(most, std::abs(a.u[k] - b.u[k]));
-  return most;
-}
+double apart(const Recording& a, const Recording& b) { return distance(a.u, b.u); }
 
 TEST_F(Records, HaveTheirTimesInTheColumnThatTimeNames) {
   write("record.csv", rows(

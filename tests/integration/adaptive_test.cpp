@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -20,19 +21,6 @@ template <class Method>
 RunTrace record(const Scene& scene, const Mesh& mesh, Mass mass, const Method& method,
                 const std::vector<double>& times) {
   return record(BarSystem(scene, mesh, mass), times, method);
-}
-
-std::vector<double> grid(double end, std::size_t count) {
-  return uniform_times(end / static_cast<double>(count), count);
-}
-
-Scene falling_bar(double height, double speed, double viscosity) {
-  Scene scene;
-  scene.bar = {1.0, 1.0, 1.0, viscosity};
-  scene.left = Obstacle{height};
-  scene.displacement = [](double) { return 0.0; };
-  scene.velocity = [=](double) { return -speed; };
-  return scene;
 }
 
 template <class Method>

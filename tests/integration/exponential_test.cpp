@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "support/exponential_runs.hpp"
 #include "support/fine_step_oracle.hpp"

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "dynamics/impact.hpp"
+#include "support/falling_bar.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 #include "viscobar/schemes/schemes.hpp"
@@ -18,15 +20,6 @@ namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr Mass massive[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::fourth_order};
-
-Scene thrown(double viscosity) {
-  Scene scene;
-  scene.bar.viscosity = viscosity;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1.0 - x); };
-  scene.velocity = [](double x) { return -x * (1.0 - x); };
-  return scene;
-}
 
 double largest_difference(const RunTrace& a, const RunTrace& b) {
   double largest = 0.0;
@@ -40,7 +33,7 @@ class MassiveContact : public testing::TestWithParam<Mass> {};
 
 // On the scene of docs/model.md, to T = 2.4: e = 0 meets twice at each end, e = 0.5 bounces and comes to rest.
 TEST_P(MassiveContact, ThePenaltyTendsToRigidLikeTheRootOfEpsilonAndTheSchemeWithItsStep) {
-  const BarSystem system(thrown(0.1), {1.0, 27}, GetParam());
+  const BarSystem system(paper_throw(0.1).scene, {1.0, 27}, GetParam());
   const auto times = uniform_times(0.02, 120);
   for (const double e : {0.0, 0.5}) {
     const RunTrace rigid = record(system, times, Rigid{{1e-9, 1e-12}, e});
@@ -61,7 +54,7 @@ TEST_P(MassiveContact, ThePenaltyTendsToRigidLikeTheRootOfEpsilonAndTheSchemeWit
 }
 
 TEST_P(MassiveContact, HoldsItsNodeAtRestWithAReactionThatNeverPulls) {
-  const BarSystem system(thrown(0.01), {1.0, 27}, GetParam());
+  const BarSystem system(paper_throw(0.01).scene, {1.0, 27}, GetParam());
   const RunTrace trace = record(system, uniform_times(0.01, 400), Rigid{{1e-9, 1e-12}});
   bool touched = false;
   for (std::size_t k = 0; k < trace.times.size(); ++k) {
@@ -78,10 +71,7 @@ TEST_P(MassiveContact, HoldsItsNodeAtRestWithAReactionThatNeverPulls) {
 // An impact takes (1 - e^2) m w^2 / 2, m the effective mass; nothing else does here, but for what the end rows take.
 TEST_P(MassiveContact, AnImpactTakesItsShareOfTheEnergyAndTheAccountCloses) {
   for (const double e : {0.0, 0.4, 1.0}) {
-    Scene scene;
-    scene.left = Obstacle{0.2};
-    scene.displacement = [](double) { return 0.0; };
-    scene.velocity = [](double) { return -0.7; };
+    Scene scene = falling_bar(0.2, 0.7, 0.0);
     const BarSystem system(scene, {1.0, 12}, GetParam());
     const double mass = system.effective_masses().front();
     const RunTrace first = record(system, std::vector<double>{0.0, 0.2 / 0.7 + 1e-4}, Rigid{{1e-10, 1e-13}, e});
@@ -98,11 +88,7 @@ TEST_P(MassiveContact, AnImpactTakesItsShareOfTheEnergyAndTheAccountCloses) {
 
 // Without load nothing else changes 1.M v: impacts, and what presses between them, by the rows of every mass.
 TEST_P(MassiveContact, TheImpulseOfTheAccountIsTheMomentumThatTheBarGains) {
-  Scene scene;
-  scene.bar.viscosity = 0.1;
-  scene.left = Obstacle{0.2};
-  scene.displacement = [](double) { return 0.0; };
-  scene.velocity = [](double) { return -1.0; };
+  Scene scene = falling_bar(0.2, 1.0, 0.1);
   const BarSystem system(scene, {1.0, 12}, GetParam());
   for (const double e : {0.0, 0.5}) {
     std::vector<double> product(system.size());
@@ -144,7 +130,7 @@ TEST_P(MassiveContact, ThePeakOfTheAccountIsThatOfTheReactionAtFineTimes) {
 
 // Rows other than the contact's keep their momentum.
 TEST_P(MassiveContact, AnImpactLeavesTheMomentumOfTheOtherRowsAlone) {
-  const BarSystem system(thrown(0.0), {1.0, 9}, GetParam());
+  const BarSystem system(paper_throw(0.0).scene, {1.0, 9}, GetParam());
   PenalisedSystem rigid(system, {0.0, 0.3});
   State state = system.initial_state();
   state.u.front() = -0.1;
@@ -224,11 +210,7 @@ TEST_P(MassiveContact, ABounceBesideALargeDisplacementIsTheOneOfThePenaltyAndOfT
 
 // A bar that falls on its end and stays there: its bounces accumulate, and are not counted out.
 TEST_P(MassiveContact, BouncesThatAccumulateEndInRest) {
-  Scene scene;
-  scene.bar.viscosity = 0.5;
-  scene.left = Obstacle{0.1};
-  scene.displacement = [](double) { return 0.0; };
-  scene.velocity = [](double) { return -0.3; };
+  Scene scene = falling_bar(0.1, 0.3, 0.5);
   scene.load = SteadyLoad{[](double) { return -2.0; }};
   const BarSystem system(scene, {1.0, 12}, GetParam());
   for (const ErrorControl control : {ErrorControl::global, ErrorControl::local})
@@ -304,7 +286,7 @@ TEST(LooseTolerance, NeitherHoldsAPenalisedContactNorTellsContactsOfNoLength) {
 }
 
 TEST(RigidWithMass, RefusesASpanObstacle) {
-  Scene scene = thrown(0.0);
+  Scene scene = paper_throw(0.0).scene;
   scene.span = Obstacle{0.2};
   const BarSystem system(scene, {1.0, 9}, Mass::consistent);
   EXPECT_THROW(record(system, uniform_times(0.1, 2), Rigid{}), std::invalid_argument);

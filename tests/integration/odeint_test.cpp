@@ -1,10 +1,7 @@
 // Features of Boost.Odeint's steppers alone: the choice among them and their refusals.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
-
+#include "support/falling_bar.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/integration/integrate.hpp"
 
@@ -59,11 +56,7 @@ TEST(Odeint, SaysWhyItRefuses) {
 // whose errors are those of the tolerance. The impulse is the integral of the spring's own force.
 TEST(SoftSpring, HasTheImpulseOfItsForceWhateverTheMeshMakesOfErrors) {
   constexpr double epsilon = 100.0, tolerance = 1e-6;
-  Scene scene;
-  scene.bar.viscosity = 1e-3;
-  scene.left = Obstacle{0.0};
-  scene.displacement = [](double) { return 0.0; };
-  scene.velocity = [](double) { return -1.0; };
+  Scene scene = falling_bar(0.0, 1.0, 1e-3);
   const BarSystem system(scene, Mesh{1.0, 100}, Mass::redistributed);
   const auto impulse = [&](const auto& method) {
     Observers observers;

@@ -9,6 +9,7 @@
 #include "integration/radau/formula.hpp"
 #include "integration/radau/shifted_systems.hpp"
 #include "integration/radau/step_powers.hpp"
+#include "support/maximum_norm.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -309,12 +310,10 @@ TEST(RigidByRadau, KeepsItsPromiseUnderALoadWithKinksThatNobodyNames) {
     return record(run).u;
   };
   const std::vector<double> truth = displacements(1e-13);
-  double largest = 0.0;
-  for (const double u : truth) largest = std::max(largest, std::abs(u));
+  const double largest = viscobar::largest(truth);
   for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11}) {
     const std::vector<double> u = displacements(tolerance);
-    double error = 0.0;
-    for (std::size_t k = 0; k < u.size(); ++k) error = std::max(error, std::abs(u[k] - truth[k]));
+    const double error = distance(u, truth);
     EXPECT_LT(error, 100.0 * tolerance * largest) << tolerance;
   }
 }

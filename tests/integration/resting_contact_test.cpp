@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/falling_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/pressed_bar.hpp"
 #include "viscobar/case/recording.hpp"
@@ -83,10 +84,7 @@ TEST(RestingContact, OpensWhereItsRowPullsDownToEveryEpsilon) {
 // of the methods whose account is an integral over their steps had 2.8 dissipated of 0.5.
 TEST(RestingContact, KeepsTheEnergyAccountOnMasslessNodesAtEveryEpsilon) {
   Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, 0.001};
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.001);
   run.elements = 8;
   run.mass = Mass::redistributed;
   run.end = 3.0;

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/falling_bar.hpp"
+#include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -24,23 +26,9 @@ RunTrace run(const Scene& scene, std::size_t elements, std::span<const double> t
   return record(system, times, Rigid{tolerance});
 }
 
-// examples/scenes/chatter.toml
-Scene thrown(double viscosity) {
-  Scene scene;
-  scene.bar.viscosity = viscosity;
-  scene.left = scene.right = Obstacle{0.1};
-  scene.displacement = [](double x) { return x * (1.0 - x); };
-  scene.velocity = [](double x) { return -x * (1.0 - x); };
-  return scene;
-}
-
 // Unstrained, at rest on its obstacles or in flight, under a uniform load.
 Scene under_load(double viscosity, double gap, double speed, double load) {
-  Scene scene;
-  scene.bar.viscosity = viscosity;
-  scene.left = Obstacle{gap};
-  scene.displacement = [](double) { return 0.0; };
-  scene.velocity = [speed](double) { return -speed; };
+  Scene scene = falling_bar(gap, speed, viscosity);
   scene.load = SteadyLoad{[load](double) { return load; }};
   return scene;
 }
@@ -49,7 +37,7 @@ class RigidByViscosity : public testing::TestWithParam<double> {};
 
 TEST_P(RigidByViscosity, HoldsAClosedNodeAtItsObstacleWithAReactionThatNeverPulls) {
   const std::vector<double> times = uniform_times(6.0 / 997, 997);
-  const RunTrace trace = run(thrown(GetParam()), 27, times);
+  const RunTrace trace = run(paper_throw(GetParam()).scene, 27, times);
   ASSERT_GE(trace.events.size(), 2u);
   for (std::size_t k = 0; k < times.size(); ++k) {
     for (const auto& [u, reaction] : {std::pair{trace.u[k].front(), trace.reaction_left[k]},
@@ -66,7 +54,7 @@ TEST_P(RigidByViscosity, HoldsAClosedNodeAtItsObstacleWithAReactionThatNeverPull
 
 TEST_P(RigidByViscosity, MovesAMirrorSymmetricBarSymmetricallyWithBothEndsAtTheSameInstants) {
   const std::vector<double> times = uniform_times(0.05, 120);
-  const RunTrace trace = run(thrown(GetParam()), 27, times);
+  const RunTrace trace = run(paper_throw(GetParam()).scene, 27, times);
   ASSERT_EQ(trace.events.size() % 2, 0u);
   for (std::size_t i = 0; i < trace.events.size(); i += 2) {
     const Event &one = trace.events[i], &other = trace.events[i + 1];
@@ -81,7 +69,7 @@ TEST_P(RigidByViscosity, MovesAMirrorSymmetricBarSymmetricallyWithBothEndsAtTheS
 TEST_P(RigidByViscosity, TheImpulseOfTheReactionsIsTheGainOfMomentum) {
   constexpr std::size_t intervals = 24000;
   constexpr double every = 6.0 / intervals;
-  const Scene scene = thrown(GetParam());
+  const Scene scene = paper_throw(GetParam()).scene;
   const BarSystem system(scene, {1.0, 27}, Mass::redistributed);
   const RunTrace trace = run(scene, 27, uniform_times(every, intervals));
   const auto momentum = [&](const std::vector<double>& v) {
@@ -139,16 +127,16 @@ TEST_P(RigidByViscosity, AFlightThatOnlyTouchesGoesOnAsIfNothingWereThere) {
 
 TEST_P(RigidByViscosity, TheSmallestMeshesRun) {
   const std::vector<double> times = uniform_times(0.1, 60);
-  const RunTrace two_ends = run(thrown(GetParam()), 3, times);
+  const RunTrace two_ends = run(paper_throw(GetParam()).scene, 3, times);
   EXPECT_TRUE(two_ends.statistics.completed);
-  Scene one_end = thrown(GetParam());
+  Scene one_end = paper_throw(GetParam()).scene;
   one_end.right = Free{};
   for (const std::size_t elements : {std::size_t{2}, std::size_t{3}})
     EXPECT_TRUE(run(one_end, elements, times).statistics.completed);
 }
 
 TEST_P(RigidByViscosity, KeepsTheBalanceOfEnergy) {
-  const RunTrace trace = run(thrown(GetParam()), 27, uniform_times(1.0, 6));
+  const RunTrace trace = run(paper_throw(GetParam()).scene, 27, uniform_times(1.0, 6));
   const EnergyAccount& energy = trace.statistics.energy.value();
   // An impact of a massless node costs no energy: only what viscosity takes is missing.
   EXPECT_NEAR(energy.balance_error(), 0.0, 1000 * 1e-9 * energy.initial);
@@ -183,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Masses, RigidOpening,
 
 TEST(Rigid, ABarThatComesToRestDoesNotToggleItsContacts) {
   // With eta = 1 the throw dies out against both obstacles, the reactions with it.
-  const RunTrace trace = run(thrown(1.0), 27, uniform_times(10.0, 20));
+  const RunTrace trace = run(paper_throw(1.0).scene, 27, uniform_times(10.0, 20));
   EXPECT_LE(trace.events.size(), 4u);
   EXPECT_LT(trace.statistics.steps, 20000u);
 }

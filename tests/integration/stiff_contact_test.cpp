@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "support/absolute_tolerance.hpp"
+#include "support/falling_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/end_traces.hpp"
@@ -147,10 +148,7 @@ TEST_P(StiffMasslessContact, OpensInTimeAtEveryViscosityAndTolerance) {
   for (const double viscosity : {0.1, 2.0, 12.0, 50.0}) {
     const double scale = std::max(1.0, viscosity);  // of time: a transit, or eta / E
     Case run;
-    run.scene.bar = {1.0, 1.0, 1.0, viscosity};
-    run.scene.left = Obstacle{0.1};
-    run.scene.displacement = [](double) { return 0.0; };
-    run.scene.velocity = [](double) { return -1.0; };
+    run.scene = falling_bar(0.1, 1.0, viscosity);
     run.elements = 40;
     run.mass = Mass::redistributed;
     run.end = 3.0 * scale;
@@ -183,10 +181,7 @@ TEST_P(StiffMasslessContact, OpensInTimeAtEveryViscosityAndTolerance) {
 // changes at a tolerance of 1e-5.
 TEST(StiffMasslessContact, DoesNotOpenWhileItsRowPushes) {
   Case run;
-  run.scene.bar = {1.0, 1.0, 1.0, 0.1};
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.1);
   run.elements = 100;
   run.mass = Mass::redistributed;
   run.end = 3.0;

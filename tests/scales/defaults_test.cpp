@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/command.hpp"
+#include "support/falling_bar.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -65,9 +66,7 @@ TEST(Defaults, NoMethodRefusesThemAndNoneChattersAtAnEnd) {
 
 TEST(Defaults, OfTheLibraryAreThoseOfAFile) {
   Case run;
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.0);
   run.method = automatic_method(run).method;
   EXPECT_TRUE(faults(resolve(run)).empty());
   const Case file = parse_scene(plain("", at_left, "velocity = -1", 1), "plain.toml").run;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -125,11 +126,7 @@ INSTANTIATE_TEST_SUITE_P(All, Sides,
                          testing::Values("cvode", "ida", "arkode", "odeint", "rigid", "exponential", "characteristics",
                                          "fully_discrete", "finite_difference"));
 
-double largest_difference(const Recording& a, const Recording& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.u.size(); ++i) largest = std::max(largest, std::abs(a.u[i] - b.u[i]));
-  return largest;
-}
+double largest_difference(const Recording& a, const Recording& b) { return distance(a.u, b.u); }
 
 // The two walls of a bar, and the two sides of a slit, are met in turn; undamped contact and a fine step of the scheme
 // have one limit where contacts have no mass.
@@ -140,8 +137,7 @@ TEST(Sides, BetweenTwoWallsEveryMethodHasTheSameMotion) {
   thrown(truth);
   const Recording exact = record(truth);
   EXPECT_GE(exact.events.size(), 3u);
-  double largest = 0.0;
-  for (const double u : exact.u) largest = std::max(largest, std::abs(u));
+  const double largest = viscobar::largest(exact.u);
   for (const char* method : {"cvode", "ida", "arkode", "odeint"}) {
     Case run = between.at(1, method, "redistributed");
     thrown(run);

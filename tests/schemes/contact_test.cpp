@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "support/exact_solutions.hpp"
+#include "support/falling_bar.hpp"
 #include "support/paper_throw.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/recording.hpp"
@@ -41,11 +42,7 @@ TEST(FullyDiscreteContact, RigidFlightMeetsTheObstacleWithinAStepAtTheSpeedOfFli
 TEST(FullyDiscreteContact, ABarThatMovesInFromATouchClosesThereAndThen) {
   for (const Mass mass : all_masses)
     for (const double gap : {0.0, 0.004}) {
-      Scene scene;
-      scene.bar.viscosity = 0.1;
-      scene.left = Obstacle{gap};
-      scene.displacement = [](double) { return 0.0; };
-      scene.velocity = [](double) { return -1.0; };
+      Scene scene = falling_bar(gap, 1.0, 0.1);
       const auto run = run_steps(BarSystem(scene, {1.0, 20}, mass), 0.01, 2.5);
       ASSERT_GE(run.events.size(), 2u);
       EXPECT_EQ(run.events[0].change, Change::closing);

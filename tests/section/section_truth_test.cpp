@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "discretisation/varying_section.hpp"
+#include "support/dense_matrix.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/discretisation/mass.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -20,20 +22,6 @@ namespace viscobar {
 namespace {
 
 using Eigen::Index;
-using MatrixXd = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;  // gcc 12 warns inside AVX-512's header
-
-MatrixXd dense(const BandedMatrix& matrix) {
-  const auto n = static_cast<Index>(matrix.size());
-  MatrixXd full(n, n);
-  std::vector<double> unit(matrix.size()), column(matrix.size());
-  for (Index j = 0; j < n; ++j) {
-    std::ranges::fill(unit, 0.0);
-    unit[static_cast<std::size_t>(j)] = 1.0;
-    matrix.multiply(unit, column);
-    for (Index i = 0; i < n; ++i) full(i, j) = column[static_cast<std::size_t>(i)];
-  }
-  return full;
-}
 
 // Sizes that repeat, over [0, 1].
 Mesh repeated(std::size_t elements, std::vector<double> sizes) {
@@ -237,12 +225,6 @@ std::string cone(std::size_t elements, const std::string& method, const std::str
       data("0.02*x*x*(3-2*x)"), data("-x*x*(3-2*x)"), data("-x*exp(-t)"), elements, method, more);
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
-  return most;
-}
-
 TEST(SectionContact, OfAConeIsThatOfTheBarThatItIsTransformedInto) {
   const std::string tolerance = "relative_tolerance = 1e-11\n";
   for (const bool moved : {false, true}) {
@@ -255,7 +237,7 @@ TEST(SectionContact, OfAConeIsThatOfTheBarThatItIsTransformedInto) {
       std::vector<double> ends, of_truth;
       for (std::size_t k = 0; k < run.times.size(); ++k)
         ends.push_back(run.displacement(k).back()), of_truth.push_back(truth.displacement(k).back());
-      displacement.push_back(largest_difference(ends, of_truth));
+      displacement.push_back(distance(ends, of_truth));
       double late = 0.0;
       for (std::size_t k = 0; k < run.events.size(); ++k)
         late = std::max(late, std::abs(run.events[k].time - truth.events[k].time));

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {
@@ -16,10 +16,7 @@ using namespace viscobar;
 // u = -t comes to the obstacle at t = gap. By gap, and by the speed of the throw.
 Case flight_to_an_end(MethodName method, double restitution, double gap) {
   Case run;
-  run.scene.left = Obstacle{gap};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
-  run.scene.bar.viscosity = 0.1;
+  run.scene = falling_bar(gap, 1.0, 0.1);
   run.elements = 10;
   run.method = method;
   run.mass = Mass::consistent;

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -20,10 +20,7 @@ struct Rebound {
 // velocity is the impulse less 1; their derivatives by b follow from that of R.
 Case rebound(double viscosity, std::size_t elements, double tolerance) {
   Case run;
-  run.scene.bar.viscosity = viscosity;
-  run.scene.left = Obstacle{0.0};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.0, 1.0, viscosity);
   run.elements = elements;
   run.method = MethodName::rigid;
   run.tolerance = {tolerance};

@@ -12,6 +12,7 @@
 
 #include "campaign/draw.hpp"
 #include "studies/fit/search.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -280,8 +281,7 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data) {
     MeasuredTrace trace{column, {}, 1.0, true};
     for (std::size_t k = 0; k < exact.times.size(); ++k)
       trace.values.push_back(value_of(column, exact.displacement(k), exact.velocity(k), exact.reaction_left[k]));
-    double largest = 0.0;
-    for (const double value : trace.values) largest = std::max(largest, std::abs(value));
+    const double largest = viscobar::largest(trace.values);
     if (!(largest > 0.0)) continue;
     trace.deviation = 0.01 * largest;
     for (double& value : trace.values) value += noise * largest * draw.normal();

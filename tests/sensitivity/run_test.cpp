@@ -3,9 +3,9 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/case/recording.hpp"
 
@@ -150,11 +150,8 @@ TEST(Sensitivities, AreTheSlopesOfRunsOnMasslessContactNodesToo) {
 // A rigid flight against a load that turns it back: u = -t + t^2 / 2 comes to -1/2 at t = 1.
 Case turned_back(double gap) {
   Case run;
-  run.scene.left = Obstacle{gap};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(gap, 1.0, 0.1);
   run.scene.load = SteadyLoad{[](double) { return 1.0; }};
-  run.scene.bar.viscosity = 0.1;
   run.elements = 10;
   run.method = MethodName::rigid;
   run.mass = Mass::consistent;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "support/contact_with_wave.hpp"
+#include "support/falling_bar.hpp"
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/studies/orders/orders.hpp"
 #include "viscobar/testing/examine.hpp"
@@ -91,10 +92,7 @@ TEST(FourthOrderInDt, OfTheSchemeIsTwoWithTheSecondOrderStart) {
 
 Case resting(double viscosity, double gap, std::size_t elements) {
   Case run;
-  run.scene.bar.viscosity = viscosity;
-  run.scene.left = Obstacle{gap};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(gap, 1.0, viscosity);
   run.method = MethodName::rigid;
   run.mass = Mass::fourth_order;
   run.restitution = 0.0;

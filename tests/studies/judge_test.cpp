@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "dynamics/gauge.hpp"
+#include "support/falling_bar.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace viscobar::testing_judge {
@@ -18,10 +19,7 @@ namespace {
 // A bar thrown at an obstacle, which it leaves again.
 Case thrown() {
   Case run;
-  run.scene.bar.viscosity = 0.1;
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.1);
   run.end = 4.0;
   run.output_every = 0.02;
   run.automatic = true;

@@ -5,10 +5,17 @@
 namespace viscobar {
 
 /// Processor time of all threads together: wall-clock time depends on other load of the machine.
+inline double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Those of some work.
 double seconds_of(auto&& work) {
-  const std::clock_t began = std::clock();
+  const double began = processor_seconds();
   work();
-  return static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+  return processor_seconds() - began;
 }
 
 }  // namespace viscobar

@@ -45,4 +45,9 @@ inline std::vector<double> uniform_times(double every, std::size_t count, double
   return times;
 }
 
+/// 0, ..., end in so many intervals.
+inline std::vector<double> grid(double end, std::size_t count) {
+  return uniform_times(end / static_cast<double>(count), count);
+}
+
 }  // namespace viscobar

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -82,7 +81,7 @@ inline std::vector<VerdictScene> random_verdict_scenes(std::size_t count, unsign
       run.scene.displacement = run.scene.velocity = [](double) { return 0.0; };
       run.scene.load = SteadyLoad{[](double) { return -0.5; }};
     }
-    run.end = run.output_every = uniform(1.5, 3.0) * length * std::sqrt(bar.density / bar.modulus);
+    run.end = run.output_every = uniform(1.5, 3.0) * length * bar.slowness();
     run.epsilon = 1e-4;
     run.step = std::pow(10.0, uniform(-4.0, -1.5));
     scenes.push_back(std::move(scene));

@@ -37,6 +37,9 @@ struct Recording {
 
   /// Adds what a snapshot of a run with these directions tells.
   void keep(const Snapshot& snapshot, std::span<const Direction> directions);
+  /// Observers of a run of the case that fill it, which both outlive. Its arrays do not move while they grow to so many
+  /// output times.
+  Observers filling(const Case& run, std::size_t rows);
 
   /// Displacement of the J+1 nodes at times[k].
   std::span<const double> displacement(std::size_t k) const {

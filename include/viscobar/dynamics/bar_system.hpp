@@ -153,11 +153,10 @@ class BarSystem {
   /// The element to the right of an unknown's node; the one to its left at the last node of a bar. A rigid body alone
   /// has the spring beside it, or else the nearest element of a bar.
   std::size_t element_at(std::size_t unknown) const;
-  double stretch_at(std::size_t unknown) const { return stretch(element_at(unknown)); }            ///< of that
-  double rate_stretch_at(std::size_t unknown) const { return rate_stretch(element_at(unknown)); }  ///< of that
-  Mass mass() const { return mass_; }                   ///< how inertia is integrated
-  const Bar& bar() const { return bar_; }               ///< its material
-  bool damped() const { return bar_.viscosity > 0.0; }  ///< eta > 0
+  double stretch_at(std::size_t unknown) const { return stretch(element_at(unknown)); }  ///< of that
+  Mass mass() const { return mass_; }                                                    ///< how inertia is integrated
+  const Bar& bar() const { return bar_; }                                                ///< its material
+  bool damped() const { return bar_.viscosity > 0.0; }                                   ///< eta > 0
   /// True if there is a load: f, a force on an end, or a frame that moves.
   bool loaded() const {
     return load_ || inputs_[0].force || inputs_[1].force || moving() || (difference_ && difference_->after->loaded());
@@ -291,8 +290,6 @@ class BarSystem {
 
   /// Displacement of a fixed end, in the frame; absent: it is not fixed.
   const std::optional<double>& wall(bool right) const { return walls_[right]; }
-  std::optional<double> left_displacement() const { return walls_[0]; }   ///< of a fixed left end
-  std::optional<double> right_displacement() const { return walls_[1]; }  ///< of a fixed right end
 
   /// rho M; the row of a massless node is zero. Its symmetric part, rho Q, makes the kinetic energy.
   const BandedMatrix& inertia() const { return inertia_; }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <optional>
 
 namespace viscobar {
@@ -20,10 +19,6 @@ struct PenaltyLaw {
   double reaction(double penetration, double rate) const {
     return penetration > 0.0 ? stiffness * penetration + damping * rate : 0.0;
   }
-  /// dR/dd
-  double tangent_stiffness(double penetration) const { return penetration > 0.0 ? stiffness : 0.0; }
-  /// dR/dd'
-  double tangent_damping(double penetration) const { return penetration > 0.0 ? damping : 0.0; }
   /// Stored in the spring, k d^2 / 2.
   double energy(double penetration) const {
     return penetration > 0.0 ? 0.5 * stiffness * penetration * penetration : 0.0;

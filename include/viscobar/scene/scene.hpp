@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -19,6 +20,11 @@ struct Bar {
   double density = 1.0;    ///< rho > 0
   double modulus = 1.0;    ///< E > 0
   double viscosity = 0.0;  ///< eta >= 0; zero means that no damping term is built
+
+  double wave_speed() const { return std::sqrt(modulus / density); }  ///< c
+  double slowness() const { return std::sqrt(density / modulus); }    ///< 1 / c
+  double impedance() const { return std::sqrt(density * modulus); }   ///< rho c
+  double transit() const { return length * slowness(); }              ///< of a wave through it
 };
 
 /// Stress-free end (Neumann): s = E u_x + eta u_xt = 0.

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/obstacle_motion.hpp"
 #include "integration/approach.hpp"
 #include "integration/bernstein.hpp"
 

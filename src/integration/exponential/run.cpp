@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dynamics/energy_terms.hpp"
+#include "dynamics/obstacle_motion.hpp"
 #include "integration/approach.hpp"
 #include "run/step_failure.hpp"
 

@@ -25,8 +25,7 @@ class Rosenbrock4 {
         rate_(size_),
         load_rate_(system.size()),
         state_(size_),
-        tau_(power_of_two(system.bar().bar().length *
-                          std::sqrt(system.bar().bar().density / system.bar().bar().modulus))),
+        tau_(power_of_two(system.bar().bar().length * system.bar().bar().slowness())),
         dense_(
             size_,
             [this](double t, const double* z, double* rate) {

@@ -29,7 +29,7 @@ constexpr double next_after_impact = 3.0;  // of the first step after the impact
 // A step of 1e8 ways of a wave through the bar leaves its matrix no digit of the inertia.
 double farthest(const PenalisedSystem& system) {
   const Bar& bar = system.bar().bar();
-  return 1e6 * bar.length * std::sqrt(bar.density / bar.modulus);
+  return 1e6 * bar.length * bar.slowness();
 }
 
 class Stepper final : public LegStepper {

@@ -1,7 +1,6 @@
 #include "integration/sundials/multistep.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "report/limit/limit_tables.hpp"
 #include "results/json.hpp"
 #include "text/number.hpp"
-#include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/results/versions.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dynamics/element_stress.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

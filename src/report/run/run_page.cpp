@@ -7,7 +7,6 @@
 #include "results/csv.hpp"
 #include "scene/unit_names.hpp"
 #include "text/number.hpp"
-#include "text/printable_text.hpp"
 #include "text/table.hpp"
 
 namespace viscobar {

@@ -1,9 +1,6 @@
 // Pictures of the stress: its map and the tractions of the ends.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
 #include <vector>
 
 #include "report/run/run_page.hpp"

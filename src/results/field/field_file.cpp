@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "dynamics/element_stress.hpp"
+#include "dynamics/gauge.hpp"
 #include "viscobar/results/versions.hpp"
 
 namespace viscobar {

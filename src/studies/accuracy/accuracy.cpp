@@ -1,8 +1,5 @@
 #include "viscobar/studies/accuracy/accuracy.hpp"
 
-#include <stdexcept>
-#include <utility>
-
 #include "studies/accuracy/plan.hpp"
 
 namespace viscobar {

@@ -66,7 +66,7 @@ DataError::DataError(const Case& run, bool displacements)
   const Bar& bar = scene.bar;
   add(scene.displacement, scene.displacement_places, [](double amplitude, double) { return amplitude; });
   add(scene.velocity, scene.velocity_places, [&](double amplitude, double k) {
-    const double elastic = 1.0 / (std::sqrt(bar.modulus / bar.density) * k);
+    const double elastic = 1.0 / (bar.wave_speed() * k);
     return amplitude * (bar.viscosity > 0.0 ? std::min(elastic, bar.density / (bar.viscosity * k * k)) : elastic);
   });
   const auto of_load = [&](double factor) {
@@ -167,7 +167,7 @@ double layer_error(const Case& run, double speed) {
   for (const Piece& piece : pieces_of(run.scene, run.mesh())) {
     if (piece.rigid()) continue;
     const Bar& bar = piece.bar;
-    const double h = piece.mesh.spacing(), elastic = h * std::sqrt(bar.density / bar.modulus);
+    const double h = piece.mesh.spacing(), elastic = h * bar.slowness();
     longest = std::max(longest, bar.viscosity > 0.0 ? std::min(h * h * bar.density / bar.viscosity, elastic) : elastic);
   }
   return a * speed * longest;

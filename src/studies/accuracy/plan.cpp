@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -81,7 +80,7 @@ Plan::Plan(const AccuracyStudy& study)
                            ? study_.request.error / length
                            : 1e-6;
   if (stepping_) {
-    const double crossing = scene.bar.length * std::sqrt(scene.bar.density / scene.bar.modulus);
+    const double crossing = scene.bar.transit();
     chosen_.fineness = given.step ? *base_.step : std::min(crossing / (4.0 * least_elements), base_.end / 200.0);
   } else if (!exact_time_) {
     chosen_.fineness = given.tolerance ? base_.tolerance.relative : std::clamp(share, finest_pilot, loosest_tolerance);
@@ -140,7 +139,7 @@ void Plan::tell(const std::string& what) const {
 Resolution Plan::resolution() const {
   const Bar& bar = base_.scene.bar;
   Resolution resolution;
-  resolution.impedance = std::sqrt(bar.density * bar.modulus);
+  resolution.impedance = bar.impedance();
   const double share = 0.5 * requested_.value_or(0.0);
   switch (study_.request.of) {
     case Goal::displacement:

@@ -17,8 +17,6 @@ namespace viscobar {
 
 namespace {
 
-// Beyond this, dense matrix exponentials take longer than everything else together.
-constexpr std::size_t most_exponential_elements = 100;
 // Steps times nodes of an explicit method, some ten seconds of them.
 constexpr double most_explicit_work = 5e8;
 

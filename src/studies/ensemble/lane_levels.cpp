@@ -38,9 +38,7 @@ void LaneLevels::add(std::size_t bar, OwnMember own) {
   waiting_[level].push_back({bar, std::move(own)});
 }
 
-double LaneLevels::ways(const Bar& bar) const {
-  return shared_.end * std::sqrt(bar.modulus / bar.density) / bar.length;
-}
+double LaneLevels::ways(const Bar& bar) const { return shared_.end * bar.wave_speed() / bar.length; }
 
 std::size_t LaneLevels::multiple(std::size_t level) {
   return level < 4 ? level + 1 : (4 + (level + 1) % 4) << ((level + 1) / 4 - 1);

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 
 #include "studies/column_reader.hpp"
+#include "text/number.hpp"
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 namespace viscobar {
@@ -21,12 +21,9 @@ constexpr std::string_view known =
   throw std::invalid_argument(fmt::format("outputs: \"{}\" {}; {}", text, why, known));
 }
 
-double number_in(std::string_view text, std::string_view digits) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size())
-    refuse(text, fmt::format("has \"{}\" where a number belongs", digits));
-  return value;
+double read_number(std::string_view text, std::string_view digits) {
+  if (const auto value = number_in<double>(digits)) return *value;
+  refuse(text, fmt::format("has \"{}\" where a number belongs", digits));
 }
 
 // The numbers of the joints that are contacts.
@@ -63,7 +60,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   }
   if (text.starts_with("events:")) {
     output.kind = Kind::events;
-    const double count = number_in(text, text.substr(7));
+    const double count = read_number(text, text.substr(7));
     if (!(count >= 1.0 && count <= 1e6 && count == std::floor(count))) refuse(text, "wants a whole number from 1 on");
     output.most = static_cast<std::size_t>(count);
     output.shape = {output.most};
@@ -78,7 +75,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
     if (const auto why = place_refusal(column, run.scene)) refuse(text, *why);
   if (at == text.npos) refuse(text, "does not say how often: @0.1 is every 0.1");
   Case every = run;
-  every.output_every = number_in(text, text.substr(at + 1));
+  every.output_every = read_number(text, text.substr(at + 1));
   if (!(every.output_every > 0.0 && run.end / every.output_every <= 1e7))
     refuse(text, "wants a positive interval, and no more than 1e7 of them in the run");
   output.times = every.output_times();
@@ -88,7 +85,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
     output.column = column->first, output.place = column->second;
     return output;
   }
-  output.place = number_in(text, what.substr(6));
+  output.place = read_number(text, what.substr(6));
   if (!(output.place >= 0.0 && output.place <= run.scene.bar.length))
     refuse(text, fmt::format("is outside of the bar, 0 to {}", run.scene.bar.length));
   output.shape.push_back(4);

@@ -67,7 +67,7 @@ std::optional<ImpactLaw::Peak> ImpactLaw::peak() const {
   if (bar.viscosity == 0.0) return {};
   // Before the peak the bar is all viscosity or all elasticity, whichever stops it sooner.
   const double tau = std::cbrt(epsilon * epsilon * bar.density * bar.viscosity);
-  const double rest = epsilon * std::sqrt(bar.density * bar.modulus);
+  const double rest = epsilon * bar.impedance();
   double before = 0.0;
   for (double after = 0.25 * std::min(tau, rest); after < 40.0 * std::max(tau, rest); after *= 1.25) {
     if (rate(after) > 0.0) {

@@ -1,7 +1,5 @@
 #include "viscobar/studies/limit/limit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

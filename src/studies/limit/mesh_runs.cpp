@@ -1,7 +1,5 @@
 #include "studies/limit/mesh_runs.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +7,6 @@
 #include <utility>
 
 #include "case/method_table.hpp"
-#include "case/run_cost.hpp"
 #include "run/stopwatch.hpp"
 #include "studies/parallel.hpp"
 #include "studies/run_limits.hpp"
@@ -43,7 +40,7 @@ double tolerance_of(const LimitStudy& study, const Case& row, std::size_t steps,
 
 // The motion has waves of the length of an element.
 std::size_t intervals(const Case& run) {
-  const double transits = run.end * std::sqrt(run.scene.bar.modulus / run.scene.bar.density) / run.mesh().smallest();
+  const double transits = run.end * run.scene.bar.wave_speed() / run.mesh().smallest();
   return static_cast<std::size_t>(std::clamp(2.0 * transits, 2000.0, 20000.0));
 }
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "scene/end_kinds.hpp"
 #include "studies/limit/mesh_runs.hpp"

@@ -35,7 +35,7 @@ Case on_mesh(const Case& scene, std::size_t elements) {
   run.restitution = scene.restitution;
   run.method = MethodName::fully_discrete;
   run.start = Start::second_order;
-  run.step = run.mesh().spacing() / (16.0 * std::sqrt(run.scene.bar.modulus / run.scene.bar.density));
+  run.step = run.mesh().spacing() / (16.0 * run.scene.bar.wave_speed());
   return run;
 }
 

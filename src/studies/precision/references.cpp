@@ -42,8 +42,7 @@ double finer_than(const Timed& timed, double seconds) {
   constexpr double fine_tolerance = 2e-10, fine_parts = 1024.0;  // of the time that a wave takes through an element
   const bool scheme = is_scheme(timed.row.method);
   const Bar& bar = timed.run.scene.bar;
-  const double enough =
-      scheme ? timed.run.mesh().spacing() / std::sqrt(bar.modulus / bar.density) / fine_parts : fine_tolerance;
+  const double enough = scheme ? timed.run.mesh().spacing() / bar.wave_speed() / fine_parts : fine_tolerance;
   // A decade of tolerance and half of a step both take about twice as long.
   double setting = timed.row.setting / (scheme ? 4.0 : 10.0), cost = timed.row.seconds * (scheme ? 7.0 : 2.0);
   for (; setting > enough && cost < 0.2 * seconds; cost *= 2.0) setting /= scheme ? 2.0 : 10.0;

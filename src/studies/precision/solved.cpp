@@ -77,9 +77,6 @@ Field extrapolated(const Field& fine, const Field& coarse, double ratio) {
 
 namespace {
 
-// Beyond this, dense matrix exponentials take longer than everything else together.
-constexpr std::size_t most_exponential_elements = 100;
-
 std::string described(const Case& run) {
   if (is_scheme(run.method)) return fmt::format("{} at step {:.3g}", name(run.method), *run.step);
   if (is_adaptive(run.method)) return fmt::format("{} at tolerance {:.3g}", name(run.method), run.tolerance.relative);

@@ -2,11 +2,8 @@
 
 #include <compare>
 #include <cstddef>
-#include <functional>
-#include <limits>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>

@@ -69,7 +69,7 @@ std::vector<Timed> settings_of(const PrecisionStudy& study, const Case& run) {
     all.push_back({set, std::move(row)});
   };
   if (is_scheme(run.method)) {
-    const double transit = run.mesh().spacing() / std::sqrt(run.scene.bar.modulus / run.scene.bar.density);
+    const double transit = run.mesh().spacing() / run.scene.bar.wave_speed();
     for (std::size_t k = 0; k <= study.halvings; ++k) {
       Case set = run;
       set.step = std::ldexp(transit, -static_cast<int>(k));

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-#include <functional>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -35,7 +33,7 @@ struct ElasticImpact {
   double speed = 1.0;  ///< > 0, towards the obstacle
   double gap = 0.1;    ///< of the obstacle at the left end
 
-  double wave_speed() const { return std::sqrt(bar.modulus / bar.density); }    ///< c
+  double wave_speed() const { return bar.wave_speed(); }                        ///< c
   double closing() const { return gap / speed; }                                ///< time of the touch
   double opening() const { return closing() + 2 * bar.length / wave_speed(); }  ///< 2 L / c later
   double u(double x, double t) const;                                           ///< displacement

@@ -1,0 +1,124 @@
+// Derivatives of the shifts of a JumpFilter.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "dynamics/derivative.hpp"
+#include "dynamics/jump_filter.hpp"
+
+namespace viscobar {
+
+void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
+                             std::span<double> force) const {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  std::vector<double> product(force.size());
+  for (const auto& [of, factor] : {std::pair{x, rates.modulus}, {x_rate, rates.viscosity}}) {
+    if (factor == 0.0 || of.empty()) continue;
+    stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
+  }
+  if (rates.side) {
+    const auto at = [this](std::span<const double> of) { return bar_.at_nodes(of); };
+    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.first_node(), force.size(), force);
+  }
+  for (const auto& [node, stiffness, dashpot, mass] : rates.supports)
+    force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
+}
+
+// out += the slope along `change` of f(x), which changes with the springs and masses of the ends: by differences, of
+// what is all but a polynomial.
+template <class Function>
+void JumpFilter::add_slope(const Added& change, Function&& f, std::span<double> out) {
+  const Bar& bar = bar_.bar();
+  const double h = bar_.mesh().spacing(), heaviest = std::max(std::abs(change.mass[0]), std::abs(change.mass[1]));
+  const double stiffest_change = std::max(std::abs(change.stiffness[0]), std::abs(change.stiffness[1]));
+  const double largest = std::max(stiffest_change * h / bar.modulus, heaviest / (h * bar.density));
+  if (largest == 0.0) return;
+  const double step = 1e-4 / largest;
+  std::vector<double> value(out.size());
+  for (const double side : {-step, step, 0.0}) {
+    for (const bool right : {false, true})
+      added_.stiffness[right] = side * change.stiffness[right], added_.mass[right] = side * change.mass[right];
+    if (heaviest > 0.0) factorise();
+    if (side == 0.0) continue;
+    f(value);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += value[i] / (2.0 * side);
+  }
+}
+
+double JumpFilter::fading(const Derivative& derivative) const {
+  if (!bar_.damped()) return 0.0;
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const Bar& bar = bar_.bar();
+  const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
+  return -8.0 * square / (1.0 - 2.0 * square) *
+         (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
+}
+
+void JumpFilter::differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate,
+                               std::span<double> s, std::span<double> s_rate) {
+  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const Bar& bar = bar_.bar();
+  const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
+  // A is a pure number but for its springs, k h / E, and its masses, m / (rho h).
+  Added supports;
+  std::array<double, 2> dashpots{};
+  for (const Support& support : bar_.supports())
+    supports.stiffness[bar_.is_right(support.unknown)] -= support.stiffness * rates.modulus / bar.modulus;
+  for (const Support& support : rates.supports) {
+    const bool right = bar_.is_right(support.unknown);
+    supports.stiffness[right] += support.stiffness;
+    supports.mass[right] += support.mass;
+    dashpots[right] += support.dashpot;
+  }
+  const std::size_t n = s.size();
+  const auto applied_to = [this](std::span<const double> jump) {
+    return [this, jump](std::span<double> x) {
+      std::ranges::copy(jump, x.begin());
+      apply(x);
+    };
+  };
+  std::vector<double> change(n);
+  apply(rate);
+  for (std::size_t i = 0; i < n; ++i) rate[i] += growth * shift_w_[i];
+  add_slope(supports, applied_to(jump_rate_), rate);
+  damping(rate, change);
+  for (std::size_t i = 0; i < n; ++i) force[i] -= change[i];
+  add_changes(derivative, {}, shift_w_, force);
+  apply(force);
+  add_slope(supports, applied_to(jump_force_), force);
+  for (std::size_t i = 0; i < n; ++i) {
+    s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
+    s_rate[i] += rate[i];
+  }
+  if (!bar_.has_dashpots()) return;
+  const std::vector<double> impulse = impulse_;
+  answer_with_dashpots(force, s_rate);
+  std::ranges::fill(change, 0.0);
+  for (const Support& support : bar_.supports())
+    change[support.unknown] = -dashpots[bar_.is_right(support.unknown)] * shift_u_[support.unknown];
+  for (const Support& support : rates.supports) change[support.unknown] -= support.mass * impulse[support.unknown];
+  factor_.solve(change);
+  for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
+  take_high_part(change, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] += change[i] - force[i];
+  take_high_part(impulse, force);
+  for (std::size_t i = 0; i < n; ++i) force[i] *= fading;
+  add_slope(
+      supports, [&](std::span<double> x) { take_high_part(impulse, x); }, force);
+  for (std::size_t i = 0; i < n; ++i) s_rate[i] -= force[i];
+  impulse_ = impulse;
+}
+
+void JumpFilter::start_rates(Derivative& derivative, double t, std::span<const double> w, std::span<const double> s,
+                             std::span<const double> s_rate, std::span<double> force, std::span<double> rate) {
+  derivative.motion().force(t, s, s_rate, force);
+  prepare(derivative.motion());
+  stiffness(s_rate, rate);
+  for (double& one : rate) one = -one;
+  derivative.motion().load().add_rate(t, rate);
+  add_changes(derivative, w, {}, rate);
+  derivative.add_frame_rate(t, rate);
+}
+
+}  // namespace viscobar

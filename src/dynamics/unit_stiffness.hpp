@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "viscobar/dynamics/bar_system.hpp"
+
+namespace viscobar {
+
+/// K over the unknowns of a bar, by differences, which keep the digits of what is all but constant:
+///
+///     (K x)_i = (x_i - x_{i-1}) / h_i + (x_i - x_{i+1}) / h_{i+1},       x = 0 at a fixed end.
+class UnitStiffness {
+ public:
+  explicit UnitStiffness(const BarSystem& bar)
+      : UnitStiffness(bar, [&](std::size_t e) { return 1.0 / bar.stretch(e); }) {}
+  /// With springs of_element(e) in place of them.
+  UnitStiffness(const BarSystem& bar, auto&& of_element) {
+    const std::size_t first = bar.first_node();
+    for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(of_element(first + i));
+    if (bar.left_fixed()) ground_[0] = of_element(std::size_t{0});
+    if (bar.right_fixed()) ground_[1] = of_element(bar.mesh().elements - 1);
+  }
+
+  /// out = K x of the values x(i), which are numbers, or what is added and multiplied as such.
+  template <class Values, class Out>
+  void multiply(Values&& x, Out&& out) const {
+    const std::size_t n = coupling_.size() + 1;
+    auto here = x(0);
+    auto before = ground_[0] * here;
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      const auto next = x(i + 1);
+      const decltype(before) pull = coupling_[i] * (next - here);
+      out[i] = before - pull;
+      before = pull;
+      here = next;
+    }
+    out[n - 1] = before + ground_[1] * here;
+  }
+
+  /// Terms of the displacements `left` and `right` of the fixed ends.
+  template <class Out>
+  void add_walls(double left, double right, Out&& out) const {
+    out[0] -= ground_[0] * left;
+    out[coupling_.size()] -= ground_[1] * right;
+  }
+
+ private:
+  std::vector<double> coupling_;    // 1 / h between an unknown and the next
+  std::array<double, 2> ground_{};  // of an element with a fixed end
+};
+
+}  // namespace viscobar
