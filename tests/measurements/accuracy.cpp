@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <string>
-#include <vector>
 
 #include "support/maximum_norm.hpp"
 #include "support/paper_throw.hpp"

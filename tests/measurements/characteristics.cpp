@@ -25,13 +25,6 @@ struct Worst {
   }
 };
 
-double largest(const Followed& run) {
-  double size = 0.0;
-  for (const auto& row : run.u)
-    for (const double u : row) size = std::max(size, std::abs(u));
-  return size;
-}
-
 void random_bars(RandomBar::Loads loads, std::uint32_t count, std::size_t cells) {
   Worst off, balance, mirrored, represented, seconds;
   std::size_t events = 0, passages = 0, failures = 0;

@@ -1,5 +1,5 @@
 // Prints the tables of docs/ensembles.md. Run:
-// build/release/tests/measure_ensemble [speed [J T] | memory BARS | orders | errors SCENES SEED [KIND] | rigid BARS]
+// build/release/tests/measure_ensemble [speed [J T] | memory BARS | errors SCENES SEED [KIND]]
 // KIND: mass, restitution, events or touching
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
@@ -144,15 +144,6 @@ void speed(std::size_t only_elements, double only_end) {
       }
 }
 
-// J = 24, T = 6 at 1e-3 without an estimate, to be counted by callgrind: two numbers of bars tell what one costs.
-void rigid(std::size_t bars) {
-  const TextEnsemble made = by_method(thrown_bars(24, 6.0, bars), "name=\"rigid\"\nrelative_tolerance=1e-3\n");
-  EnsembleStudy study = made.study();
-  study.outputs = told;
-  study.threads = 1;
-  ensemble(study);
-}
-
 // Bars that stay in memory, on all cores.
 void memory(std::size_t bars) {
   const TextEnsemble made = thrown_bars(24, 6.0, bars);
@@ -166,41 +157,6 @@ void memory(std::size_t bars) {
   getrusage(RUSAGE_SELF, &use);
   fmt::print("{} bars, J = 24, T = 6, 1e-2: {:.1f} s, {:.0f} bars a second and core, {:.2f} GB at most\n", bars,
              passed.count(), static_cast<double>(bars) / seconds, static_cast<double>(use.ru_maxrss) / 1e6);
-}
-
-// The error of (2.8) by its steps, beside rigid at 1e-10.
-void orders(std::size_t bars) {
-  const double end = 6.0;
-  const TextEnsemble made = thrown_bars(24, end, bars);
-  const auto run = [&](const std::string& method) {
-    const TextEnsemble other = by_method(made, method);
-    return timed(other.study(), bars);
-  };
-  const Timed exact = run("name=\"rigid\"\nrelative_tolerance=1e-10\n");
-  const EnsembleResult& truth = exact.result;
-  fmt::print("rigid at 1e-10: {:.0f} bars a second\n", exact.rate);
-  EnsembleResult before;
-  for (int level = 4; level < 14; ++level) {
-    const auto [found, rate] =
-        run(fmt::format("name=\"fully_discrete\"\nstart=\"second_order\"\nstep={}\n", end / (1 << level)));
-    EnsembleResult better = found;
-    for (std::size_t k = 0; k < before.bars * found.outputs[0].width(); ++k)
-      better.values[0][k] = (4.0 * found.values[0][k] - before.values[0][k]) / 3.0;
-    std::vector<double> errors, of_impulse, extrapolated;
-    for (std::size_t i = 0; i < bars; ++i) {
-      errors.push_back(error_of(found, truth, i, 1));
-      extrapolated.push_back(error_of(better, truth, i, 1));
-      of_impulse.push_back(std::abs(found.values[1][i] / truth.values[1][i] - 1.0));
-    }
-    before = found;
-    for (auto* list : {&errors, &extrapolated, &of_impulse}) std::ranges::sort(*list);
-    const auto of = [&](const std::vector<double>& list) {
-      return fmt::format("{:.1e}, {:.1e}", list[bars / 2], list[bars * 9 / 10]);
-    };
-    fmt::print("{} steps: median and 90 % of u: {}; extrapolated {}; impulse {}; {:.0f} bars a second\n", 1 << level,
-               of(errors), of(extrapolated), of(of_impulse), rate);
-    std::fflush(stdout);
-  }
 }
 
 // Estimates beside the errors of the same system by rigid at 1e-10: of all scenes, or of a kind of them.
@@ -278,8 +234,6 @@ int main(int argc, char** argv) {
   };
   if (what == "speed") speed(number(2, 0), static_cast<double>(number(3, 6)));
   if (what == "memory") memory(number(2, 1'000'000));
-  if (what == "orders") orders(512);
-  if (what == "rigid") rigid(number(2, 100));
   if (what == "errors") errors(number(2, 100), static_cast<unsigned>(number(3, 1)), argc > 4 ? argv[4] : "");
   return EXIT_SUCCESS;
 }

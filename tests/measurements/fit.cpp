@@ -13,6 +13,7 @@
 #include <random>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {
@@ -24,11 +25,8 @@ constexpr const char* keys[] = {"bar.viscosity", "left.gap", "bar.modulus"};
 
 Case bar(std::span<const double> values) {
   Case run;
-  run.scene.bar.viscosity = values[0];
+  run.scene = falling_bar(values[1], 1.0, values[0]);
   run.scene.bar.modulus = values[2];
-  run.scene.left = Obstacle{values[1]};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
   run.elements = 30;
   run.method = MethodName::rigid;
   run.end = 4.0;

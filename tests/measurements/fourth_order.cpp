@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "studies/parallel.hpp"
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/case/end_traces.hpp"
 
@@ -22,10 +23,7 @@ using namespace viscobar;
 
 Case bar_over_an_obstacle(double viscosity, double gap, double load, double end) {
   Case run;
-  run.scene.bar.viscosity = viscosity;
-  run.scene.left = Obstacle{gap};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(gap, 1.0, viscosity);
   if (load != 0.0) run.scene.load = SteadyLoad{[load](double) { return load; }};
   run.method = MethodName::rigid;
   run.restitution = 0.0;
@@ -97,49 +95,6 @@ void contact_table() {
   }
 }
 
-// Momentum of all rows: what a free bar keeps.
-double momentum_at_the_end(const Case& run, double& opening) {
-  const BarSystem system = resolve(run).system();
-  double momentum = 0.0;
-  Observers observers;
-  observers.event = [&](const Event& event) {
-    if (event.change == Change::opening) opening = event.time;
-  };
-  observers.snapshot = [&](const Snapshot& now) {
-    std::vector<double> product(system.size());
-    system.inertia().multiply(now.v, product);
-    momentum = 0.0;
-    for (const double entry : product) momentum += entry;
-  };
-  simulate(resolve(run), system, observers);
-  return momentum;
-}
-
-void rebound_table() {
-  struct Exact {
-    double viscosity, opening, speed;
-  };
-  fmt::print(
-      "\nRebound of a Kelvin-Voigt bar: error of the contact time / of the speed of rebound\n\n"
-      "| viscosity | mass | 30 | 60 | 120 | 240 |\n|---|---|---|---|---|---|\n");
-  for (const auto& [viscosity, exact_opening, speed] :
-       {Exact{1.0, 1.3692116746, 0.1503140958}, Exact{0.1, 1.9124710098, 0.6507936369},
-        Exact{0.01, 1.9912495450, 0.8874003786}})
-    for (const Mass mass : {Mass::fourth_order, Mass::consistent}) {
-      std::string cells;
-      for (const std::size_t elements : {30u, 60u, 120u, 240u}) {
-        Case run = bar_over_an_obstacle(viscosity, 0.0, 0.0, 2.5);
-        run.elements = elements;
-        run.mass = mass;
-        run.output_every = 2.5;
-        double opening = 0.0;
-        const double momentum = momentum_at_the_end(run, opening);
-        cells += fmt::format(" {:.1e} / {:.1e} |", std::abs(opening - exact_opening), std::abs(momentum - speed));
-      }
-      fmt::print("| {} | {} |{}\n", viscosity, name(mass), cells);
-    }
-}
-
 Case thrown_at_both(double viscosity, Mass mass) {
   Case run;
   run.scene.bar.viscosity = viscosity;
@@ -152,70 +107,6 @@ Case thrown_at_both(double viscosity, Mass mass) {
   run.end = 2.4;
   run.output_every = 0.01;
   return run;
-}
-
-// The penalty as epsilon -> 0 and (2.8) as dt -> 0, each against `rigid` with the same restitution.
-void three_roads() {
-  constexpr Mass masses[] = {Mass::consistent, Mass::lumped, Mass::paper, Mass::fourth_order};
-  fmt::print(
-      "\nThree roads to one system: largest end difference to rigid, 27 elements\n\n"
-      "| mass | viscosity | e | penalty, epsilon = 1e-5 / 1e-6 / 1e-7 / 1e-8 | (2.8), dt = 4e-4 / 2e-4 / 1e-4 / 5e-5 | "
-      "changes of rigid |\n|---|---|---|---|---|---|\n");
-  for (const Mass mass : masses)
-    for (const double viscosity : {0.01, 0.1})
-      for (const double e : {0.0, 0.5}) {
-        Case run = thrown_at_both(viscosity, mass);
-        run.restitution = e;
-        run.method = MethodName::rigid;
-        const auto times = run.output_times();
-        const EndTraces rigid = trace_ends(run, times);
-        std::string penalty, scheme;
-        run.method = MethodName::cvode;
-        for (const double epsilon : {1e-5, 1e-6, 1e-7, 1e-8}) {
-          run.epsilon = epsilon;
-          penalty +=
-              fmt::format("{}{:.1e}", penalty.empty() ? "" : " / ", largest_difference(trace_ends(run, times), rigid));
-        }
-        run.method = MethodName::fully_discrete;
-        run.start = Start::second_order;
-        for (const double dt : {4e-4, 2e-4, 1e-4, 5e-5}) {
-          run.step = dt;
-          scheme +=
-              fmt::format("{}{:.1e}", scheme.empty() ? "" : " / ", largest_difference(trace_ends(run, times), rigid));
-        }
-        fmt::print("| {} | {} | {} | {} | {} | {} |\n", name(mass), viscosity, e, penalty, scheme, rigid.events.size());
-      }
-}
-
-// Scheme (2.8) for 200 units of time between two obstacles: contact changes and how the energy ends.
-void stability() {
-  fmt::print(
-      "\nScheme (2.8), two obstacles, T = 200: contact changes on fourth_order (consistent); largest end "
-      "displacement\n\n"
-      "| viscosity | dt/h | 20 elements | 80 elements |\n|---|---|---|---|\n");
-  for (const double viscosity : {0.0, 1e-4, 0.01, 1.0})
-    for (const double ratio : {0.1, 1.0, 10.0}) {
-      std::string cells;
-      for (const std::size_t elements : {20u, 80u}) {
-        std::map<Mass, EndTraces> of;
-        for (const Mass mass : {Mass::fourth_order, Mass::consistent}) {
-          Case run = thrown_at_both(viscosity, mass);
-          run.scene.load = SteadyLoad{[](double) { return -0.5; }};
-          run.method = MethodName::fully_discrete;
-          run.elements = elements;
-          run.step = ratio / static_cast<double>(elements);
-          run.end = 200.0;
-          run.output_every = 1.0;
-          of[mass] = trace_ends(run, run.output_times());
-        }
-        double largest = 0.0;
-        for (const auto* side : {&of[Mass::fourth_order].left, &of[Mass::fourth_order].right})
-          for (const double u : *side) largest = std::max(largest, std::abs(u));
-        cells += fmt::format(" {} ({}); {:.2f} |", of[Mass::fourth_order].events.size(),
-                             of[Mass::consistent].events.size(), largest);
-      }
-      fmt::print("| {} | {} |{}\n", viscosity, ratio, cells);
-    }
 }
 
 // Seconds of the method alone for an error in space and time together: the fastest of the meshes (a fourth of an octave
@@ -311,11 +202,7 @@ void speed(double every) {
 
 int main(int count, char** arguments) {
   const std::vector<std::pair<std::string, std::function<void()>>> tables = {
-      {"contact", contact_table},
-      {"rebound", rebound_table},
-      {"roads", three_roads},
-      {"stability", stability},
-      {"speed", [] { speed(0.05), speed(0.02); }}};
+      {"contact", contact_table}, {"speed", [] { speed(0.05), speed(0.02); }}};
   for (const auto& [word, print] : tables)
     if (count == 1 || std::find(arguments + 1, arguments + count, word) != arguments + count) print();
 }

@@ -176,7 +176,7 @@ class Simulation {
   void advance(const Real& end) {
     Leg& now = leg();
     const Bar& bar = bar_.bar();
-    Real longest = bar_.mesh().spacing() * std::sqrt(bar.density / bar.modulus) / 16;
+    Real longest = bar_.mesh().spacing() * bar.slowness() / 16;
     if (now.rate > 0 && since_ * now.decay < 90) longest = std::min(longest, Real(1 / now.rate));
     std::size_t level = 0;
     while (level < level_ && ldexp(now.finest, static_cast<int>(level) + 1) <= longest) ++level;

@@ -6,7 +6,6 @@
 
 #include "support/contact_with_wave.hpp"
 #include "support/paper_throw.hpp"
-#include "viscobar/studies/compare/difference.hpp"
 
 namespace {
 
@@ -30,14 +29,11 @@ Case coarse(const Scene& scene, MethodName method, Mass mass) {
   return run;
 }
 
-std::string fitted(const std::optional<ObservedOrder>& order) {
-  return order ? fmt::format("{:.2f}", order->order) : "-";
-}
-
 // The slope over all levels, settled or not: the tables say which levels these are.
 std::string fitted(const OrderStudy& study, double exact::Error::*quantity) {
   const Sequence errors = study.errors(quantity);
-  return fitted(observed_order(errors.x, errors.distance));
+  const auto order = observed_order(errors.x, errors.distance);
+  return order ? fmt::format("{:.2f}", order->order) : "-";
 }
 
 void print_head(const char* title, const char* first) {
@@ -79,28 +75,6 @@ void in_h(bool both) {
   study(MethodName::rigid, Mass::redistributed);
 }
 
-// Effect of taking the mass out of the contact nodes: theory says h^(5/2) in L2 and h^3 at the ends.
-void redistribution(bool both) {
-  fmt::print(
-      "\n### {}: cvode on the redistributed against the consistent mass\n\n"
-      "| elements | u, L2 | order | end traces | order |\n|---|---|---|---|---|\n",
-      both ? "Two ends" : "One end");
-  const exact::Solution solution = exact::contact_with_wave(contact(both), 0.1);
-  std::optional<Difference> coarser;
-  for (Case run : refinements(coarse(solution.scene, MethodName::cvode, Mass::consistent), Refine::mesh, 6)) {
-    const double h = run.mesh().spacing();
-    run.epsilon = 1e-3 * h * h;
-    const Recording consistent = record(run);
-    run.mass = Mass::redistributed;
-    const Difference found = compare(record(run), consistent);
-    const auto order = [](double before, double now) { return fmt::format("{:.2f}", std::log2(before / now)); };
-    fmt::print("| {} | {:.2e} | {} | {:.2e} | {} |\n", run.elements, *found.displacement_l2,
-               coarser ? order(*coarser->displacement_l2, *found.displacement_l2) : "-", found.end_trace,
-               coarser ? order(coarser->end_trace, found.end_trace) : "-");
-    coarser = found;
-  }
-}
-
 const char* name(Start start) { return start == Start::first_order ? "first_order" : "second_order"; }
 
 void print_steps_head(const char* title) {
@@ -129,31 +103,6 @@ void in_dt(bool both) {
     }
 }
 
-// The first-order start against the second-order one at the same dt, from a start with a small acceleration.
-void share_of_the_start(bool both) {
-  fmt::print(
-      "\n### First-order against second-order start, {}, 40 elements, dt = 1/1600 to 1/12800\n\n"
-      "| mass | u, L2 | order | end traces | order |\n|---|---|---|---|---|\n",
-      both ? "two ends" : "one end");
-  for (const Mass mass : masses) {
-    Case run = coarse(exact::contact_with_wave(contact(both), 0.0).scene, MethodName::fully_discrete, mass);
-    run.elements = 40;
-    run.step = 1.0 / 1600;
-    std::vector<double> steps, norms, traces;
-    for (Case refined : refinements(run, Refine::step, 4)) {
-      const Recording first = record(refined);
-      refined.start = Start::second_order;
-      const Difference share = compare(first, record(refined));
-      steps.push_back(*refined.step);
-      norms.push_back(*share.displacement_l2);
-      traces.push_back(share.end_trace);
-    }
-    fmt::print("| {} | {:.2e} ... {:.2e} | {} | {:.2e} ... {:.2e} | {} |\n", name(mass), norms.front(), norms.back(),
-               fitted(observed_order(steps, norms)), traces.front(), traces.back(),
-               fitted(observed_order(steps, traces)));
-  }
-}
-
 // A bar thrown against both obstacles.
 Case thrown(double alpha, Mass mass, Start start) {
   Case run = paper_throw(alpha);
@@ -175,37 +124,12 @@ void impact(double alpha) {
       print_steps(mass, start, self_study(record, refinements(thrown(alpha, mass, start), Refine::step, 9)));
 }
 
-void impact_to_rigid() {
-  fmt::print(
-      "\n### Impact, redistributed mass: end traces of (2.8) against `rigid`, dt = 1/500 to 1/16000\n\n"
-      "| alpha | start | end traces | order |\n|---|---|---|---|\n");
-  for (const double alpha : {1.0, 0.1, 0.01})
-    for (const Start start : starts) {
-      Case run = thrown(alpha, Mass::redistributed, start);
-      run.method = MethodName::rigid;
-      const Recording rigid = record(run);
-      run.method = MethodName::fully_discrete;
-      std::vector<double> steps, traces;
-      for (const Case& refined : refinements(run, Refine::step, 6)) {
-        steps.push_back(*refined.step);
-        traces.push_back(compare(rigid, record(refined)).end_trace);
-      }
-      fmt::print("| {} | {} | {:.2e} ... {:.2e} | {} |\n", alpha, name(start), traces.front(), traces.back(),
-                 fitted(observed_order(steps, traces)));
-    }
-}
-
 }  // namespace
 
 int main() {
   in_h(false);
   in_h(true);
-  redistribution(false);
-  redistribution(true);
   in_dt(false);
   in_dt(true);
-  share_of_the_start(false);
-  share_of_the_start(true);
   for (const double alpha : {0.1, 0.01}) impact(alpha);
-  impact_to_rigid();
 }

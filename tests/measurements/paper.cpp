@@ -14,6 +14,7 @@
 
 #include "report/plot/figure.hpp"
 #include "report/plot/png.hpp"
+#include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/compare/difference.hpp"
@@ -46,7 +47,7 @@ plot::Figure field_picture(const Recording& run, const plot::Axis& time) {
   }
   plot::Figure figure(time, {"position x", 0.0, run.mesh.length}, 240.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, run.mesh.length});
-  figure.colour_bar(map, {"displacement u", -bound, bound});
+  figure.colour_bar(map, {"displacement u", -bound, bound}, "u");
   return figure;
 }
 
@@ -123,8 +124,7 @@ int main(int argc, char** argv) {
       const Recording scheme = record(run);
       run.method = MethodName::cvode;
       const Recording penalised = record(run);
-      double largest = 0.0;
-      for (const double u : scheme.u) largest = std::max(largest, std::abs(u));
+      const double largest = viscobar::largest(scheme.u);
       const auto percent = [&](const Recording& other) { return 100.0 * compare(other, scheme).end_trace / largest; };
       run.restitution = 0.0;
       const Recording damped = record(run);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
@@ -270,10 +271,7 @@ int main() {
             {viscosity, 0.0, 0.0, 2.5}, {20, 40, 80, 160});
   for (const double viscosity : {0.003, 0.001}) {
     Case run;
-    run.scene.bar.viscosity = viscosity;
-    run.scene.left = Obstacle{0.1};
-    run.scene.displacement = [](double) { return 0.0; };
-    run.scene.velocity = [](double) { return -1.0; };
+    run.scene = falling_bar(0.1, 1.0, viscosity);
     run.scene.load = SteadyLoad{[](double) { return -1.0; }};
     run.method = MethodName::rigid;
     run.mass = Mass::fourth_order;

@@ -1,5 +1,5 @@
 // Prints the tables of docs/accuracy-on-request.md. Run:
-// build/release/tests/measure_requests [rebound | gallery | random COUNT SEED TIGHTEST | hard COUNT SEED]
+// build/release/tests/measure_requests [gallery | random COUNT SEED TIGHTEST | hard COUNT SEED]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,6 @@
 #include "viscobar/case/end_traces.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
-#include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace {
 
@@ -31,37 +30,6 @@ std::string setting(const Case& run) {
   text +=
       is_scheme(run.method) ? fmt::format(", dt {:.1e}", *run.step) : fmt::format(", {:.1e}", run.tolerance.relative);
   return is_penalised(run.method) ? text + fmt::format(", eps {:.1e}", *run.epsilon) : text;
-}
-
-// Contact time of the rebound of a Kelvin-Voigt bar.
-void rebound() {
-  fmt::print("| viscosity | request | setting | estimate | error | estimate / error | seconds, all | the solution |\n");
-  fmt::print("|---|---|---|---|---|---|---|---|\n");
-  for (const auto& [viscosity, exact] : {std::pair{1.0, 1.3692116746}, {0.1, 1.9124710098}, {0.01, 1.9912495450}})
-    for (const double request : {1e-4, 1e-6, 1e-8}) {
-      AccuracyStudy study;
-      study.scene = parse_scene(fmt::format("[bar]\nlength=1\nviscosity={}\n[left]\nkind=\"obstacle\"\ngap=0\n"
-                                            "[initial]\nvelocity=-1\n[time]\nend=2.5\n",
-                                            viscosity),
-                                "rebound")
-                        .run;
-      study.request = {request, false, Goal::contact_times, {}};
-      AccuracyResult result;
-      const double seconds = seconds_of([&] { result = solve(study); });
-      double error = 1.0;
-      for (const Event& event : result.recording.events)
-        if (event.change == Change::opening) error = std::abs(event.time - exact);
-      fmt::print("| {} | {:.0e} | {} | {:.1e}{} | {:.1e} | {:.2g} | {:.3f} | {:.3f} |\n", viscosity, request,
-                 setting(result.run), result.estimate.total, result.estimate.kept ? "" : " not kept", error,
-                 result.estimate.total / error, seconds, result.recording.statistics.integration_seconds);
-      if (std::getenv("VERBOSE")) {
-        for (const auto& made : result.estimate.runs)
-          fmt::print("    {} {:.1e} {} {:.4f}\n", made.elements, made.setting.value_or(0.0), made.changes,
-                     made.seconds);
-        fmt::print("    space {:.1e} time {:.1e} order {} {}\n", result.estimate.space, result.estimate.time,
-                   result.estimate.order.value_or(0.0), result.estimate.doubt);
-      }
-    }
 }
 
 struct Verdict {
@@ -160,7 +128,7 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
   verdict.truth_seconds = seconds_of([&] { exact = sample(truth); });
   // Contacts are those that matter to the error that was asked for.
   accuracy::Resolution resolution;
-  resolution.impedance = std::sqrt(truth.scene.bar.density * truth.scene.bar.modulus);
+  resolution.impedance = truth.scene.bar.impedance();
   if (study.request.of == Goal::contact_times) resolution.duration = 0.5 * *result.estimate.requested;
   const accuracy::Sample found = sample(result.run);
   const double error = accuracy::difference(found, exact, study.request.of, resolution);
@@ -328,8 +296,7 @@ void gallery() {
 }  // namespace
 
 int main(int count, char** words) {
-  const std::string what = count > 1 ? words[1] : "rebound";
-  if (what == "rebound") rebound();
+  const std::string what = count > 1 ? words[1] : "gallery";
   if (what == "gallery") gallery();
   const int scenes = count > 2 ? std::atoi(words[2]) : 100;
   const auto seed = count > 3 ? static_cast<unsigned>(std::atoi(words[3])) : 1u;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "support/falling_bar.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace {
@@ -26,10 +27,7 @@ MethodName method_of(std::string_view word) {
 // The bar that rebounds of measure_fit's table of costs.
 Case rebound(MethodName method, std::size_t elements, std::size_t parameters) {
   Case run;
-  run.scene.bar.viscosity = 0.05;
-  run.scene.left = Obstacle{0.1};
-  run.scene.displacement = [](double) { return 0.0; };
-  run.scene.velocity = [](double) { return -1.0; };
+  run.scene = falling_bar(0.1, 1.0, 0.05);
   run.method = method;
   run.elements = elements;
   run.epsilon = 1e-4;

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <string>
 #include <vector>
 
 #include "support/bouncing_bar.hpp"
 #include "support/maximum_norm.hpp"
 #include "support/paper_throw.hpp"
+#include "support/processor_seconds.hpp"
 #include "viscobar/case/recording.hpp"
 
 namespace {
@@ -79,12 +79,6 @@ struct Variant {
   MethodName method;
   Stepper stepper = Stepper::automatic;
 };
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 bool wanted(const std::string& name, const char* word) { return !word || name.find(word) != std::string::npos; }
 

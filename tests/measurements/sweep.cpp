@@ -5,28 +5,20 @@
 #include "viscobar/sweep/sweep.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <random>
 #include <vector>
 
 #include "input/described_scene.hpp"
+#include "support/processor_seconds.hpp"
 #include "sweep/sweep_table.hpp"
 
 namespace {
 
 using namespace viscobar;
-
-/// Processor time of this process: other load of the machine counts less than in wall-clock time.
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
