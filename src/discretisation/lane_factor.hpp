@@ -258,12 +258,12 @@ class LaneFactor {
       change_lanes(left, [&](auto& lefts) {
         change_lanes(x, [&](auto& values) {
           for (const Ends& run : runs)
-            lefts[run.lane] = run.coupling * interface[run.left], values[run.lane] = interface[run.right];
+            lefts[run.lane] = -run.coupling * interface[run.left], values[run.lane] = interface[run.right];
         });
       });
     };
     if constexpr (std::is_same_v<C, double>)
-      left = last_[0].coupling * load_lanes(&interface[order_.first - 1]), x = load_lanes(&interface[order_.first]);
+      left = -last_[0].coupling * load_lanes(&interface[order_.first - 1]), x = load_lanes(&interface[order_.first]);
     else
       left = x = 0.0, enter(last_);
     std::size_t k = order_.rows;
@@ -274,7 +274,7 @@ class LaneFactor {
       if (piece.felt) {
         while (k > begin) {
           --k;
-          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - from_left[k] * left - lower[k] * x;
+          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
           use(k, x);
         }
       } else {

@@ -309,7 +309,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
                      relaxation});
 }
 
-// All is inlined: what is contracted to one operation would else depend on the processor's level.
+// As the following sum, all is inlined: which operations are contracted would else depend on the processor's level.
 [[gnu::flatten]] double LaneBar::squared_strain_rate(std::span<const double> p, double lever,
                                                      std::span<const double> a) const {
   const std::size_t n = order_.size, rows = order_.rows;
@@ -365,7 +365,8 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   return sum / system_.mesh().spacing();
 }
 
-double power(std::span<const double> load, std::span<const double> p, double lever, std::span<const double> a) {
+[[gnu::flatten]] double power(std::span<const double> load, std::span<const double> p, double lever,
+                              std::span<const double> a) {
   Lanes sums = 0.0;
   std::size_t i = 0;
   for (; i + lane_count <= load.size(); i += lane_count)
