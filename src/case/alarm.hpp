@@ -8,7 +8,7 @@
 
 namespace viscobar {
 
-/// A contradiction between the numbers of a run: it is further from the solution than its method promises.
+/// A contradiction between the numbers of a run: its method promises less, or no use can be made of such an error.
 struct Alarm {
   std::string what;      ///< the two numbers that disagree, and by how much
   bool ruinous = false;  ///< true if nothing of the result can be relied on
@@ -24,7 +24,8 @@ std::optional<std::string> overflow(const Statistics& statistics);
 ///
 ///       2 * 100 (relative E + a_v sqrt(2 E rho L) + a_u 2 J sqrt(2 E modulus / L)),
 ///
-///   E the largest energy on the way (EnergyAccount::largest), a_u and a_v the allowance(). Of `exponential` and the
+///   E the largest energy on the way (EnergyAccount::largest, less what the balance is off by), a_u and a_v the
+///   allowance(), and in any case beyond 5 % of E, as a warning. Of `exponential` and the
 ///   schemes, which close their balance to rounding, beyond 1e-9 E and what roundings r U of the displacement add up
 ///   to in N steps, sqrt(N) r U 2 J sqrt(2 E modulus / L), U = max(|u_0|, t sqrt(2 E / (rho L))). Ruinous beyond a
 ///   hundredth of E.

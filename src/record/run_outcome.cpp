@@ -152,8 +152,8 @@ void judge(Outcome& outcome, const Setup& setup, const BarSystem& system,
   pass_on(peak_warning(setup, system, done));
   for (const Alarm& alarm : alarms(setup, system, done)) {
     const std::string what = fmt::format(
-        "{}; the result is further from the solution than the tolerances promise: take another method.name or a "
-        "smaller method.relative_tolerance, and report it as an error of viscobar, with the scene",
+        "{}; take another method.name or a smaller method.relative_tolerance, and where it is more than the tolerances "
+        "promise, report it as an error of viscobar, with the scene",
         alarm.what);
     alarm.ruinous ? fail(outcome, Ending::failed, what) : warn(what);
   }
