@@ -78,10 +78,10 @@ class CvodeStepper final : public Multistep {
     if (bar.has_massless()) return true;
     if (material.viscosity * highest < 2.0 * material.modulus) return false;
     const Contacts& contacts = leg_.system.contacts();
-    double resolved = std::sqrt(material.modulus / material.density) / material.length;
+    double slow_enough = shortness_ * std::sqrt(material.modulus / material.density) / material.length;
     for (std::size_t i = 0; i < contacts.size(); ++i)
-      if (contacts.closed(i)) resolved = std::max(resolved, contacts[i].rate / 650.0);
-    return fastest_decay(bar) > shortness_ * resolved;
+      if (contacts.closed(i)) slow_enough = std::max(slow_enough, std::min(shortness_ / 650.0, 0.6) * contacts[i].rate);
+    return fastest_decay(bar) > slow_enough;
   }
 
   // The rate at which neighbours die out that move to and fro: 4 eta / (rho h^2) with a lumped mass, three times that
