@@ -68,17 +68,19 @@ void SpanForce::add(double to, double length, std::size_t order) {
   raise(account_, force, to, length);
 }
 
-void SpanForce::look_at(std::size_t j, std::span<const double> y) {
-  double sum = 0.0;
+void SpanForce::look_at(std::size_t order, std::span<const PointValues> y) {
+  if (nodes_.empty()) return;
+  force_ = {};
   for (const Node& node : nodes_) {
     if (!contacts_.closed(node.contact)) continue;
     const Contact& contact = contacts_[node.contact];
     const double origin = origin_.empty() ? 0.0 : origin_[contact.unknown];
     const auto& law = contacts_[node.contact].law.linear();
-    sum -= contact.sign * law.stiffness * (contact.sign * y[node.displacement] + contact.clearance(origin));
-    if (node.damped) sum -= law.damping * y[node.velocity];
+    for (std::size_t j = 0; j <= order; ++j) {
+      force_[j] -= contact.sign * law.stiffness * (contact.sign * y[node.displacement][j] + contact.clearance(origin));
+      if (node.damped) force_[j] -= law.damping * y[node.velocity][j];
+    }
   }
-  force_[j] = sum;
 }
 
 JointForces::JointForces(const Contacts& contacts, const ActingLoad& load, RunAccount& account)
@@ -115,27 +117,31 @@ bool JointForces::closed() const {
   return std::ranges::any_of(joints_, [this](const Joint& joint) { return contacts_.closed(joint.contact); });
 }
 
-void JointForces::look_at(std::size_t j, double t, std::span<const double> y) {
-  for (Joint& joint : joints_) {
-    if (!contacts_.closed(joint.contact)) continue;
-    const auto& [row, at] = std::tie(joint.row, joint.positions);
-    double stretch = y[at[0]] - y[at[1]];
-    if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
-    if (contacts_[joint.contact].by_law) {
-      joint.rate[j] = contacts_[joint.contact].law.force(stretch + contacts_[joint.contact].gap, y[at[2]] - y[at[3]]);
-      continue;
-    }
-    const auto displacement = [&](std::size_t k) {
-      const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {at[0], at[1], at[5]};
-      return y[u[k]] + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
-    };
-    joint.momentum[j] = row.inertia[0] * y[at[2]] + row.inertia[1] * y[at[3]] + row.inertia[2] * y[at[4]] +
-                        row.viscosity * stretch + row.ground_viscosity * displacement(0);
-    joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
-                    load_.alone(row.node, t);
-    for (std::size_t k = 0; k < 3 && contacts_.bar().side(); ++k)
-      joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * y[at[2 + k]];
+void JointForces::look_at(double from, double to, std::size_t order, std::span<const PointValues> y) {
+  for (Joint& joint : joints_)
+    for (std::size_t j = 0; contacts_.closed(joint.contact) && j <= order; ++j) look_at(joint, j, from, to, order, y);
+}
+
+void JointForces::look_at(Joint& joint, std::size_t j, double from, double to, std::size_t order,
+                          std::span<const PointValues> y) const {
+  const auto& [row, at] = std::tie(joint.row, joint.positions);
+  const auto value = [&](std::size_t k) { return y[at[k]][j]; };
+  double stretch = value(0) - value(1);
+  if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
+  if (contacts_[joint.contact].by_law) {
+    joint.rate[j] = contacts_[joint.contact].law.force(stretch + contacts_[joint.contact].gap, value(2) - value(3));
+    return;
   }
+  const auto displacement = [&](std::size_t k) {
+    const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {0, 1, 5};
+    return value(u[k]) + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
+  };
+  joint.momentum[j] = row.inertia[0] * value(2) + row.inertia[1] * value(3) + row.inertia[2] * value(4) +
+                      row.viscosity * stretch + row.ground_viscosity * displacement(0);
+  joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
+                  load_.alone(row.node, point_of(from, to, order, j));
+  for (std::size_t k = 0; k < 3 && contacts_.bar().side(); ++k)
+    joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * value(2 + k);
 }
 
 void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
@@ -307,31 +313,20 @@ bool ContactWatch::concerned(double to, double fastest) const {
          });
 }
 
-void ContactWatch::look_at(std::size_t j, double t, std::span<const double> y) {
+void ContactWatch::look_at(double from, double to, std::size_t order, std::span<const PointValues> y) {
+  length_ = to - from, seen_ = to, order_ = order;
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
-    const std::size_t* const first = std::exchange(position, position + end.entries.size());
-    if (!end.shut) {
-      if (extremes_ || j == order_)
-        end.u[j] = displacement(end, t, end.entries.empty() ? y.first(0) : y.subspan(*first, 1));
-      continue;
-    }
-    std::array<double, 6> values{};
-    for (std::size_t e = 0; e < end.entries.size(); ++e) values[e] = y[first[e]];
-    look_at(end, j, t, values);
+    end.shut = closed(end);
+    look_at(end, std::exchange(position, position + end.entries.size()), from, y);
   }
-  span_.look_at(j, y);
-  joints_.look_at(j, t, y);
-}
-
-void ContactWatch::begin_look(double from, double to, std::size_t order) {
-  length_ = to - from, seen_ = to, order_ = order;
-  for (End& end : ends_) end.shut = closed(end);
+  span_.look_at(order, y);
+  joints_.look_at(from, to, order, y);
 }
 
 bool ContactWatch::resolved() const {
-  const auto smooth = [this](const Samples& values, double scale) {
-    Samples rest = values;
+  const auto smooth = [this](const PointValues& values, double scale) {
+    PointValues rest = values;
     double largest = 0.0;
     for (const double value : used(values)) largest = std::max(largest, std::abs(value));
     for (std::size_t r = order_; r > 0; --r)
@@ -491,20 +486,35 @@ inline double ContactWatch::side_row(const End& end, std::span<const double> y) 
   });
 }
 
-inline void ContactWatch::look_at(End& end, std::size_t j, double t, std::span<const double> y) {
-  if (extremes_) {
-    end.force[j] = reaction(end, t, y);
-    if (holds_mass(end)) end.momentum[j] = momentum(end, y);
+inline void ContactWatch::look_at(End& end, const std::size_t* first, double from,
+                                  std::span<const PointValues> y) const {
+  const std::size_t entries = needed(end);
+  const bool rates = end.shut && !(apart_ && springs_) && !add_alike_rates(end, first, y);
+  for (std::size_t j = extremes_ || rates ? 0 : order_; j <= order_; ++j) {
+    const double t = point_of(from, seen_, order_, j);
+    std::array<double, 6> values{};
+    for (std::size_t e = 0; e < entries; ++e) values[e] = y[first[e]][j];
+    if (extremes_ || j == order_) end.u[j] = displacement(end, t, std::span(values).first(entries));
+    if (rates) end.rate[j] = rate(end, t, values);
+    if (end.shut && j == order_) end.stored_now = stored(end, values);
+    if (!end.shut || !extremes_) continue;
+    end.force[j] = reaction(end, t, values);
+    if (holds_mass(end)) end.momentum[j] = momentum(end, values);
   }
-  if (extremes_ || j == order_) {
-    end.u[j] = displacement(end, t, y);
-    end.stored_now = stored(end, y);
-  }
-  if (!(apart_ && springs_)) end.rate[j] = rate(end, t, y);
+}
+
+// rate() at all points at once, where it is one sum without a load or a side. False: it is not.
+inline bool ContactWatch::add_alike_rates(End& end, const std::size_t* first, std::span<const PointValues> y) const {
+  if (end.direct || end.sided || load_.acts() || !end.next) return false;
+  const PointValues &own = y[first[0]], &next = y[first[1]];
+  const double apart = end.origin - end.origin_next;
+  for (std::size_t j = 0; j < own.size(); ++j)
+    end.rate[j] = end.stiffness * (own[j] + end.origin) + end.modulus * (own[j] - next[j] + apart);
+  return true;
 }
 
 // Bounds of the polynomial, above and below.
-inline std::pair<double, double> ContactWatch::beyond(const Samples& values) const {
+inline std::pair<double, double> ContactWatch::beyond(const PointValues& values) const {
   const auto [least, most] = std::ranges::minmax(used(values));
   const double excess = Bernstein::excess(order_) * (most - least);
   return {most + excess, least - excess};

@@ -11,6 +11,7 @@
 #include "dynamics/contact_rows.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
+#include "integration/point_values.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -33,10 +34,10 @@ class SpanForce {
   void select(std::vector<std::size_t>& positions) const;
 
   bool closed() const;
-  /// Sample j of a step, by the entries of all.
-  void look_at(std::size_t j, std::span<const double> y);
-  /// R at the samples.
-  const std::array<double, Bernstein::max_degree + 1>& samples() const { return force_; }
+  /// At the points of a step, by the entries of all.
+  void look_at(std::size_t order, std::span<const PointValues> y);
+  /// R there.
+  const PointValues& samples() const { return force_; }
   /// max |R| of the run so far
   double peak() const { return account_.peak_reaction; }
   /// Adds a step of that length, which ends at `to`.
@@ -52,7 +53,7 @@ class SpanForce {
   SpanAccount& account_;
   std::vector<Node> nodes_;
   std::span<const double> origin_;
-  std::array<double, Bernstein::max_degree + 1> force_{};
+  PointValues force_{};
 };
 
 /// The forces of closed contacts at joints of a chain, each by the row beside it (see JointRow),
@@ -73,8 +74,8 @@ class JointForces {
   void measure_from(std::span<const double> origin) { origin_ = origin; }
   void select(std::vector<std::size_t>& positions) const;
   bool closed() const;
-  /// Sample j of a step, by the entries of all.
-  void look_at(std::size_t j, double t, std::span<const double> y);
+  /// At the points of a step, by the entries of all.
+  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
   void strike(std::size_t contact, double impulse, std::span<const double> change);
   /// Adds a step of that length, which ends at `to`.
   void add(double to, double length, std::size_t order, bool extremes);
@@ -85,9 +86,11 @@ class JointForces {
     JointAccount* account;
     JointRow row;
     std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
-    std::array<double, Bernstein::max_degree + 1> momentum{}, rate{};
+    PointValues momentum{}, rate{};
   };
 
+  void look_at(Joint& joint, std::size_t j, double from, double to, std::size_t order,
+               std::span<const PointValues> y) const;
   /// Positions that are used: the last is of a side that resists.
   std::size_t used() const { return contacts_.bar().side() ? 6 : 5; }
 
@@ -152,18 +155,15 @@ class ContactWatch {
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
 
-  /// Looks at the step from `from` up to `to`, `sample(j, t)` giving the entries at t = from + j (to - from) / order.
+  /// Looks at the step from `from` up to `to`, by the entries at its points.
+  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
+  /// The same with `sample(j, t)`, which gives the entries at t = from + j (to - from) / order.
   template <class Sample>
   void look_at(double from, double to, std::size_t order, Sample&& sample) {
-    begin_look(from, to, order);
-    for (std::size_t j = 0; j <= order; ++j) {
-      const double t = j == order ? to : from + length_ * static_cast<double>(j) / static_cast<double>(order);
-      look_at(j, t, sample(j, t));
-    }
+    selected_.clear();
+    select(selected_);
+    look_at(from, to, order, sample_points(from, to, order, selected_, points_, sample));
   }
-  /// The same in parts, by who has such samples of all entries anyway: after begin_look(), for each j in order.
-  void begin_look(double from, double to, std::size_t order);
-  void look_at(std::size_t j, double t, std::span<const double> y);
 
   /// Adds to the impulses of springs() that are closed what a step that has been added or passed brings: by Gauss'
   /// formula, which is as exact for a polynomial with half its samples.
@@ -199,8 +199,6 @@ class ContactWatch {
   void add();
 
  private:
-  using Samples = std::array<double, Bernstein::max_degree + 1>;
-
   struct End {
     EndAccount* account;
     bool right;
@@ -219,8 +217,8 @@ class ContactWatch {
     // beyond, with a side that resists the u there, too.
     std::vector<std::size_t> entries{};
     double origin = 0.0, origin_next = 0.0, origin_beyond = 0.0, stored = 0.0, stored_now = 0.0;
-    Samples u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
-    Samples momentum{};            // of its row, where inertia has a share in the force
+    PointValues u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
+    PointValues momentum{};            // of its row, where inertia has a share in the force
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
@@ -268,10 +266,11 @@ class ContactWatch {
   double largest_reaction(const End& end, const std::size_t* position, std::span<const double> lowest,
                           std::span<const double> highest) const;
   double reaction(const End& end, double t, std::span<const double> y) const;
-  void look_at(End& end, std::size_t j, double t, std::span<const double> y);  // of one that is shut
-  std::pair<double, double> beyond(const Samples& values) const;
-  std::span<const double> used(const Samples& values) const { return std::span(values).first(order_ + 1); }
-  Bernstein through(const Samples& values) const { return Bernstein::through(used(values)); }
+  void look_at(End& end, const std::size_t* first, double from, std::span<const PointValues> y) const;
+  bool add_alike_rates(End& end, const std::size_t* first, std::span<const PointValues> y) const;
+  std::pair<double, double> beyond(const PointValues& values) const;
+  std::span<const double> used(const PointValues& values) const { return std::span(values).first(order_ + 1); }
+  Bernstein through(const PointValues& values) const { return Bernstein::through(used(values)); }
 
   const Contacts& contacts_;
   const ActingLoad& load_;
@@ -281,7 +280,9 @@ class ContactWatch {
   SpanForce span_;
   JointForces joints_;
   std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end
-  double length_ = 0.0, seen_ = 0.0;    // of the step looked at, and its end
+  std::vector<std::size_t> selected_;
+  std::vector<PointValues> points_;   // of these
+  double length_ = 0.0, seen_ = 0.0;  // of the step looked at, and its end
   std::size_t order_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include <cvode/cvode.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <tuple>
@@ -41,7 +42,8 @@ class CvodeStepper final : public Multistep {
  public:
   CvodeStepper(const StepperParts& parts, const Cvode& method)
       : Multistep(library, parts, method.tolerance, solve_step, method.formulas == Formulas::automatic),
-        formulas_(method.formulas) {}
+        formulas_(method.formulas),
+        shortness_(15.0 * std::pow(method.tolerance.relative, -1.0 / 6.0)) {}
 
  private:
   using Memory = sundials::Memory<CVodeFree>;
@@ -64,14 +66,32 @@ class CvodeStepper final : public Multistep {
   }
 
   // Adams' formulas, of order up to 12, where every motion is an oscillation that has to be resolved anyway; backward
-  // differentiation where something fast dies out: modes of the mesh that are overdamped (eta omega >= 2 E at the
-  // highest, omega = sqrt(12 E / rho) / h), or a massless node.
+  // differentiation where something fast dies out: a massless node, or modes of the mesh that are overdamped (eta omega
+  // >= 2 E at the highest, omega = sqrt(12 E / rho) / h). Adams' formulas are stable for steps of some times that in
+  // which the fastest mode dies out. Backward differentiation of order 5 makes steps of some tol^(1/6) of what it
+  // resolves, the waves and the springs of closed contacts: where these are no longer, Adams' formulas make fewer.
   bool stiff() const {
     if (formulas_ != Formulas::automatic) return formulas_ == Formulas::bdf;
     const BarSystem& bar = leg_.system.bar();
     const Bar& material = bar.bar();
     const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.finest();
-    return bar.has_massless() || material.viscosity * highest >= 2.0 * material.modulus;
+    if (bar.has_massless()) return true;
+    if (material.viscosity * highest < 2.0 * material.modulus) return false;
+    const Contacts& contacts = leg_.system.contacts();
+    double slow_enough = shortness_ * std::sqrt(material.modulus / material.density) / material.length;
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+      if (contacts.closed(i)) slow_enough = std::max(slow_enough, std::min(shortness_ / 650.0, 0.6) * contacts[i].rate);
+    return fastest_decay(bar) > slow_enough;
+  }
+
+  // The rate at which neighbours die out that move to and fro: 4 eta / (rho h^2) with a lumped mass, three times that
+  // with the consistent one, in whose rows these weigh less.
+  static double fastest_decay(const BarSystem& bar) {
+    const BandedMatrix& inertia = bar.inertia();
+    const std::size_t middle = bar.size() / 2;
+    const double own = inertia.diagonal[middle], h = bar.finest();
+    const double beside = middle < inertia.off_diagonal.size() ? 2.0 * inertia.off_diagonal[middle] : 0.0;
+    return 4.0 * bar.bar().viscosity / (bar.bar().density * h * h) * (own + beside) / (own - beside);
   }
 
   void create(Memory& memory, int formulas, double t) {
@@ -100,6 +120,7 @@ class CvodeStepper final : public Multistep {
   }
 
   Formulas formulas_;
+  double shortness_;    // of steps of order 5; by what was measured, and so is the share of the contacts
   Memory adams_, bdf_;  // made when first needed
 };
 

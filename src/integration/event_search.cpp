@@ -31,7 +31,7 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
       indicators_(contacts_, system.load()),
       stepper_(stepper),
       count_(system.contacts().size()),
-      samples_(count_ * (Bernstein::max_degree + 1)),
+      samples_(count_),
       state_(size),
       pulls_(count_) {
   for (std::size_t i = 0; i < count_; ++i) {
@@ -65,30 +65,33 @@ void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);
   last_.resize(sampled);
+  near_.resize(sampled);
+  std::iota(near_.begin(), near_.end(), std::size_t{0});
   if (contacts_.collides()) values_.resize(sampled);
 }
 
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   quiet_ = !selects() && proved_quiet(ends);
   if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
-  with_rates_ = std::ranges::any_of(looked_at_, [&](std::size_t i) { return contacts_.holds_mass(i); });
+  rated_.clear();
+  for (const std::size_t i : looked_at_)
+    for (std::size_t k = first_[i] + 2; contacts_.holds_mass(i) && k < first_[i + 1]; ++k) rated_.push_back(k);
+  with_rates_ = !rated_.empty();
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects() && !ends->idle();
-  if (looking) ends->begin_look(begin, end, order);
-  for (std::size_t j = 0; j <= order; ++j) {
-    const double t = j == order ? end : begin + (end - begin) * static_cast<double>(j) / static_cast<double>(order);
-    const Sample sample = at(t, j);
-    for (const std::size_t i : looked_at_) samples_[i * (order + 1) + j] = oriented(i, t, sample);
-    if (lets_go_)
-      for (const std::size_t i : looked_at_)
-        if (lets_go(i)) push_samples_[i * (order + 1) + j] = oriented(i, t, *pushes_[i], part(i, sample.values));
-    if (looking) ends->look_at(j, t, sample.values);
+  const std::span<const PointValues> points = stepper_.samples(begin, end, 0, near_);
+  std::span<const PointValues> rates;
+  if (with_rates_) rates = stepper_.samples(begin, end, 1, rated_);
+  for (const std::size_t i : looked_at_) {
+    orient(i, begin, end, weights_[i], points, rates, samples_[i]);
+    if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
   }
+  if (looking) ends->look_at(begin, end, order, points);
   double first = 2.0;
   bool later = false;
   for (const std::size_t i : looked_at_) {
     if (contacts_[i].moves) continue;
-    const std::span<const double> values(samples_.data() + i * (order + 1), order + 1);
+    const std::span<const double> values = std::span(samples_[i]).first(order + 1);
     if (const double share = contacts_[i].penetration_share(); contacts_.closed(i) && share > 0.0)
       max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
     const auto [lowest, highest] = std::ranges::minmax(values);
@@ -116,7 +119,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
 std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i, double begin, double end,
                                                                    std::span<const double> values, double level) {
   const std::size_t order = values.size() - 1;
-  const std::span<const double> pushes(push_samples_.data() + i * (order + 1), order + 1);
+  const std::span<const double> pushes = std::span(push_samples_[i]).first(order + 1);
   const auto [weakest, strongest] = std::ranges::minmax(pushes, {}, [](double value) { return std::abs(value); });
   // Rounding of the condition's parts: a velocity is known to that of the largest.
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() *
@@ -166,9 +169,9 @@ void EventSearch::look_at(double begin, double t) {
     for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * indicators_.weights(i)(part(i, rates));
     return;
   }
-  for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t);
   const Sample sample = at(t);
   for (std::size_t i = 0; i < count_; ++i) present_[i] = oriented(i, t, sample);
+  for (std::size_t i = 0; i < count_; ++i) rates_[i] = rate(i, begin, t, present_[i]);
 }
 
 bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
@@ -382,14 +385,11 @@ bool EventSearch::far(std::size_t i) const {
   return contacts_.closed(i) ? high < 0.0 && -low <= max_penetration_ : low > 0.0;
 }
 
-inline EventSearch::Sample EventSearch::at(double t, std::optional<std::size_t> point) {
-  const auto sample = [&](int derivative) {
-    return point ? stepper_.sample_point(*point, t, derivative) : stepper_.sample(t, derivative);
-  };
-  const std::span<const double> values = sample(0);
+inline EventSearch::Sample EventSearch::at(double t) {
+  const std::span<const double> values = stepper_.sample(t, 0);
   if (!with_rates_) return {values, {}};
   std::ranges::copy(values, values_.begin());
-  return {values_, sample(1)};
+  return {values_, stepper_.sample(t, 1)};
 }
 
 inline double EventSearch::oriented(std::size_t i, double t, const Sample& sample) const {
@@ -402,26 +402,48 @@ inline double EventSearch::oriented(std::size_t i, double t, const IndicatorWeig
   return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : indicators_.offset(i, t)));
 }
 
-// Rate of the oriented indicator. Where that has accelerations their rate is a difference over a part of the step.
-double EventSearch::rate(std::size_t i, double begin, double t) {
+void EventSearch::orient(std::size_t i, double begin, double end, const IndicatorWeights& weights,
+                         std::span<const PointValues> values, std::span<const PointValues> rates,
+                         PointValues& out) const {
+  const std::size_t first = first_[i], count = first_[i + 1] - first, order = stepper_.order();
+  PointValues sum;
+  const auto add = [&sum](double weight, const PointValues& entry) {
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weight * entry[j];
+  };
+  if (weights.alone) {
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] = weights.values[0] * values[first][j];
+  } else {
+    const PointValues &one = values[first + 1], &other = values[first + 2];
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] = weights.values[1] * one[j] + weights.values[2] * other[j];
+    for (std::size_t k = 3; weights.sided && k < count; ++k) add(weights.values[k], values[first + k]);
+    for (std::size_t k = 2; !rates.empty() && k < count; ++k) add(weights.rates[k - 2], rates[first + k]);
+  }
+  const double direction = sign(i), offset = weights.offset.value_or(0.0);
+  for (std::size_t j = 0; j < sum.size(); ++j) out[j] = direction * (sum[j] + offset);
+  for (std::size_t j = 0; !weights.offset && j <= order; ++j)
+    out[j] = direction * (sum[j] + indicators_.offset(i, point_of(begin, end, order, j)));
+}
+
+// Rate of the oriented indicator, which is `now`. Where that has accelerations their rate is a difference over a part
+// of the step.
+double EventSearch::rate(std::size_t i, double begin, double t, double now) {
   if (!contacts_.holds_mass(i)) {
     const std::span<const double> rates = stepper_.sample(t, 1);
     return sign(i) * weights_[i](part(i, rates));
   }
   const double before = t - 1e-3 * (t - begin);
   if (before >= t) return 0.0;
-  const double now = oriented(i, t, at(t));
   return (now - oriented(i, before, at(before))) / (t - before);
 }
 
 // The descent through the uncertainty is late; Newton's method leads back to the zero, unless the indicator grazes it:
 // then it is no line on the way there, and the descent itself is the event.
 double EventSearch::polished(double begin, double end, double t, std::size_t i) {
-  double value = oriented(i, t, at(t)), slope = rate(i, begin, t);
+  double value = oriented(i, t, at(t)), slope = rate(i, begin, t, value);
   for (int iteration = 0; iteration < 4 && slope < 0.0; ++iteration) {
     const double next = std::clamp(t - value / slope, begin, end);
     if (next == t) break;
-    const double left = oriented(i, next, at(next)), steepness = rate(i, begin, next) / slope;
+    const double left = oriented(i, next, at(next)), steepness = rate(i, begin, next, left) / slope;
     if (steepness < 0.5 || steepness > 2.0 || std::abs(left) > 0.5 * std::abs(value)) break;
     t = next, value = left, slope *= steepness;
   }

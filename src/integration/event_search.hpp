@@ -146,12 +146,15 @@ class EventSearch {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
   double sign(std::size_t i) const { return contacts_.closed(i) ? -1.0 : 1.0; }
-  // At a time of the step, which may be one of its equidistant points.
-  Sample at(double t, std::optional<std::size_t> point = std::nullopt);
+  // At a time of the step.
+  Sample at(double t);
   double oriented(std::size_t i, double t, const Sample& sample) const;
   double oriented(std::size_t i, double t, const IndicatorWeights& weights, std::span<const double> values,
                   std::span<const double> rates = {}) const;
-  double rate(std::size_t i, double begin, double t);
+  // The same at all points of a step.
+  void orient(std::size_t i, double begin, double end, const IndicatorWeights& weights,
+              std::span<const PointValues> values, std::span<const PointValues> rates, PointValues& out) const;
+  double rate(std::size_t i, double begin, double t, double now);
   double polished(double begin, double end, double t, std::size_t i);
 
   PenalisedSystem& system_;
@@ -161,12 +164,12 @@ class EventSearch {
   std::size_t count_;
   std::vector<std::size_t> entries_, first_;             // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;             // contacts, and those that are sampled in this step
-  std::vector<std::size_t> near_;                        // entries of the latter
+  std::vector<std::size_t> near_, rated_;                // entries of the latter, and those whose rates count
   std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end
   std::vector<IndicatorWeights> weights_;                // of those
-  std::vector<double> samples_, push_samples_;
+  std::vector<PointValues> samples_, push_samples_;      // of the oriented indicators of a step
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
   std::vector<double> state_, acceleration_;  // where p descends

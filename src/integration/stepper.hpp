@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "integration/error_weights.hpp"
+#include "integration/point_values.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -30,9 +31,12 @@ class LegStepper {
   virtual std::size_t order() const = 0;
   /// The sampled entries' derivatives (0: the values) at t, valid until the next call.
   virtual std::span<const double> sample(double t, int derivative) = 0;
-  /// The same at t, the j-th of order() + 1 equidistant times of the last step, from j = 0 at its beginning.
-  virtual std::span<const double> sample_point(std::size_t /*j*/, double t, int derivative) {
-    return sample(t, derivative);
+  /// The same at order() + 1 equidistant times of the last step, from `begin` to `end`, entry by entry; entries that
+  /// are at no position of these may be missing. Valid until the next call with that derivative.
+  virtual std::span<const PointValues> samples(double begin, double end, int derivative,
+                                               std::span<const std::size_t> positions) {
+    return sample_points(begin, end, order(), positions, points_[derivative == 0 ? 0 : 1],
+                         [&](std::size_t, double t) { return sample(t, derivative); });
   }
   /// A contact changes in the state y within the last step: for a method whose steps are so long that its maxima have
   /// not seen one like it.
@@ -58,6 +62,9 @@ class LegStepper {
   virtual double account_correction() const { return 0.0; }
   /// Weights of its error test, with the maxima so far: they are in a checkpoint.
   virtual ErrorWeights& weights() = 0;
+
+ private:
+  std::array<std::vector<PointValues>, 2> points_;  // of values and rates
 };
 
 /// How long a step may be: a load that varies, and vanishes wherever a long step looks, could hide a pulse in between.

@@ -38,8 +38,7 @@ namespace viscobar {
 class StepwisePart {
  public:
   StepwisePart(PenalisedSystem& system, const Layout& layout, LegStepper& stepper, Statistics& statistics,
-               std::span<const double> times, const Observers& observers, double begin,
-               std::optional<Sensitivities>& sensitivities)
+               std::span<const double> times, const Observers& observers, double begin, Sensitivities* sensitivities)
       : system_(system),
         contacts_(system.contacts()),
         layout_(layout),
@@ -620,7 +619,7 @@ class StepwisePart {
   std::size_t next_output_ = 0;
   std::optional<Withheld> withheld_;
   bool starts_in_contact_ = false;  // the filter keeps the motion after an impact
-  std::optional<Sensitivities>& sensitivities_;
+  Sensitivities* sensitivities_;
   std::vector<ChangeSensitivity> changes_;  // of the contact change under way
 };
 

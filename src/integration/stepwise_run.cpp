@@ -23,14 +23,15 @@ PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalt
                  std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
   PenalisedSystem system(bar, penalty);
   const Layout layout(system, observers.energy, observers.directions.size());
-  std::optional<Sensitivities> sensitivities;
-  if (!observers.directions.empty()) sensitivities.emplace(system, penalty, observers.directions);
+  std::unique_ptr<Sensitivities> sensitivities;
+  if (!observers.directions.empty())
+    sensitivities = std::make_unique<Sensitivities>(system, penalty, observers.directions);
   Statistics statistics = statistics_before(start);
   const std::size_t before = statistics.load_evaluations;
   const std::unique_ptr<LegStepper> stepper =
       make_stepper({system, layout, times, statistics,
                     sensitivities ? sensitivities->derivatives() : std::span<Derivative* const>()});
-  StepwisePart run(system, layout, *stepper, statistics, times, observers, begin_of(start, times), sensitivities);
+  StepwisePart run(system, layout, *stepper, statistics, times, observers, begin_of(start, times), sensitivities.get());
   const auto conclude = [&] {
     statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
     statistics.load_evaluations = before + system.load().evaluations();

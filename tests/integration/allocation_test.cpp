@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "support/allocations.hpp"
 #include "viscobar/integration/integrate.hpp"
@@ -42,9 +43,12 @@ template <class Method>
 void expect_no_allocation_a_step() {
   for (const Mass mass : {Mass::consistent, Mass::fourth_order})
     for (const double viscosity : {0.0, 0.1}) {
-      counted(Method{{1e-4}, {1e-10, 1e-13}}, viscosity, mass);  // makes the tables that all runs share
-      const Count few = counted(Method{{1e-4}, {1e-4, 1e-7}}, viscosity, mass);
-      const Count many = counted(Method{{1e-4}, {1e-10, 1e-13}}, viscosity, mass);
+      Method rough{{1e-4}, {1e-4, 1e-7}}, fine{{1e-4}, {1e-10, 1e-13}};
+      // Its choice depends on the tolerance.
+      if constexpr (std::is_same_v<Method, Cvode>)
+        rough.formulas = fine.formulas = viscosity > 0.0 ? Formulas::bdf : Formulas::adams;
+      counted(fine, viscosity, mass);  // makes the tables that all runs share
+      const Count few = counted(rough, viscosity, mass), many = counted(fine, viscosity, mass);
       EXPECT_GT(many.steps, 2 * few.steps);
       EXPECT_EQ(many.allocations, few.allocations) << name(mass);
     }

@@ -95,6 +95,32 @@ TEST(StiffContactOnAFineMesh, IsLeftToBackwardDifferentiationWhereALegTakesLessT
   EXPECT_EQ(automatic.u, record(run).u);
 }
 
+// The steps of backward differentiation at a tight tolerance are no longer than the time in which the fastest modes of
+// the mesh die out, for which Adams' formulas are stable; of a stiff contact's spring in less tight ones, too.
+TEST(OverdampedMesh, IsLeftToAdamsFormulasWhereTheToleranceAsksForShortSteps) {
+  struct Kind {
+    double viscosity, epsilon, tolerance;
+    std::size_t elements;
+    Mass mass;
+    bool adams;
+  };
+  for (const Kind& kind :
+       {Kind{0.03, 1e-2, 1e-10, 27, Mass::fourth_order, true}, Kind{0.1, 1e-4, 1e-8, 27, Mass::fourth_order, true},
+        Kind{0.1, 1e-4, 1e-8, 10, Mass::consistent, true}, Kind{0.03, 1e-4, 1e-10, 54, Mass::fourth_order, true},
+        Kind{1.0, 1e-4, 1e-8, 27, Mass::lumped, false}, Kind{0.3, 1e-2, 1e-6, 54, Mass::consistent, false}}) {
+    Case run = paper_throw(kind.viscosity);
+    run.method = MethodName::cvode;
+    run.elements = kind.elements, run.mass = kind.mass, run.epsilon = kind.epsilon, run.tolerance = {kind.tolerance};
+    const auto automatic = static_cast<double>(record(run).statistics.steps);
+    run.formulas = Formulas::bdf;
+    const auto of_bdf = static_cast<double>(record(run).statistics.steps);
+    if (kind.adams)
+      EXPECT_LT(automatic, 0.85 * of_bdf) << kind.viscosity << " " << kind.elements;
+    else
+      EXPECT_EQ(automatic, of_bdf) << kind.viscosity << " " << kind.elements;
+  }
+}
+
 // The massless node is drawn to its equilibrium within 1e-8 units of time, in which the bar does not move; the
 // acceleration with which the leg begins belongs to those.
 TEST(StiffContactStart, IsInterpolatedLikeAnyOtherStepByOneStepMethods) {

@@ -39,8 +39,8 @@ Number slope(const Polynomial& p, Number z) {
 }
 
 void set(Complex& numbers, std::size_t lane, Number z) {
-  numbers.re[static_cast<Eigen::Index>(lane)] = static_cast<double>(z.real());
-  numbers.im[static_cast<Eigen::Index>(lane)] = static_cast<double>(z.imag());
+  numbers.re[lane] = static_cast<double>(z.real());
+  numbers.im[lane] = static_cast<double>(z.imag());
 }
 
 // Contribution of the parts of X to 2 Re(c X).
@@ -211,11 +211,10 @@ Parts Formula::weights(double theta, int derivative) const {
 
 // 2 Re(c X / zeta), the parts of c being weights[lane] / 2 and -weights[lanes + lane] / 2.
 Parts Formula::weights_over_pole(const Parts& weights) const {
-  const auto half = [](auto& all, std::size_t first) { return Eigen::Map<Lanes>(all.data() + first); };
-  Parts result = weights;
-  const Lanes re = half(result, 0), im = half(result, lanes);
-  half(result, 0) = re * inverse.re + im * inverse.im;
-  half(result, lanes) = im * inverse.re - re * inverse.im;
+  const Lanes re = load_lanes(weights.data()), im = load_lanes(weights.data() + lanes);
+  Parts result;
+  store_lanes(re * inverse.re + im * inverse.im, result.data());
+  store_lanes(im * inverse.re - re * inverse.im, result.data() + lanes);
   return result;
 }
 

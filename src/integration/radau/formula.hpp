@@ -3,13 +3,23 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <cstring>
 
 namespace viscobar::radau {
 
 inline constexpr std::size_t stages = 8;          ///< s, even: the poles are pairs
 inline constexpr std::size_t lanes = stages / 2;  ///< a pole of each pair
 inline constexpr std::size_t parts = 2 * lanes;   ///< real numbers of those
-using Lanes = Eigen::Array<double, lanes, 1>;
+// Functions that pass these on are all compiled here, for one processor.
+#pragma GCC diagnostic ignored "-Wpsabi"
+/// A vector of the compiler's own: it stays in registers where an array of a library goes through memory.
+typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
+inline Lanes load_lanes(const double* x) {
+  Lanes loaded;
+  std::memcpy(&loaded, x, sizeof loaded);
+  return loaded;
+}
+inline void store_lanes(const Lanes& stored, double* x) { std::memcpy(x, &stored, sizeof stored); }
 using Parts = std::array<double, parts>;  ///< of the poles: real parts, then imaginary parts
 /// At theta = j / stages, j = 0 .. stages. What is behind it is 0 and makes whole vectors of it.
 using Samples = Eigen::Array<double, 2 * stages, 1>;
@@ -34,14 +44,16 @@ template <class Column>
 inline Column combined(const std::array<Column, parts>& columns, const Complex& x) {
   Column re = columns[0] * x.re[0], im = columns[lanes] * x.im[0];
   for (std::size_t l = 1; l < lanes; ++l) {
-    re += columns[l] * x.re[static_cast<Eigen::Index>(l)];
-    im += columns[lanes + l] * x.im[static_cast<Eigen::Index>(l)];
+    re += columns[l] * x.re[l];
+    im += columns[lanes + l] * x.im[l];
   }
   return re + im;
 }
 
 inline double combined(const Parts& weights, const Complex& x) {
-  return (Lanes::Map(weights.data()) * x.re + Lanes::Map(weights.data() + lanes) * x.im).sum();
+  static_assert(lanes == 4);
+  const Lanes sum = load_lanes(weights.data()) * x.re + load_lanes(weights.data() + lanes) * x.im;
+  return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
 /// Radau's collocation (IIA) of 8 stages for y' = A y + g, in partial fractions. Its order is 15. A step multiplies y

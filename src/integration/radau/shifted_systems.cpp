@@ -26,7 +26,7 @@ void sum_rows(const BandedMatrix& matrix, const std::vector<unsigned char>& held
   }
 }
 
-inline Complex nothing() { return {Lanes::Zero(), Lanes::Zero()}; }
+inline Complex nothing() { return {Lanes{}, Lanes{}}; }
 
 }  // namespace
 
@@ -39,10 +39,11 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
   nodes_.resize(system.size());
   right_.resize(system.size());
   correction_.resize(system.size());
+  held_nodes_.clear();
   flag_rows(system.bar());
   for (std::size_t i = 0; i < held_.size(); ++i) {
     held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
-    if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
+    if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0, held_nodes_.push_back(i);
   }
   if (const SideRows* side = system.bar().side()) return sum_rows_beside(system.bar(), *side);
   sum_rows(stiffness_, held_, bound_);
@@ -102,117 +103,95 @@ void ShiftedSystems::factorise(double h) {
       largest =
           std::max(largest, (h * damping_.diagonal[i] + 0.1 * h * h * stiffness_.diagonal[i]) / mass_.diagonal[i]);
   rounding_ = 300.0 * std::numeric_limits<double>::epsilon() * (1.0 + 0.1 * largest);
-  const Formula& formula = Formula::get();
-  const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
-  const auto entry = [&](double m, double c, double k) -> Complex {
-    return {of_mass.re * m + of_stiffness.re * k + h * c, of_mass.im * m + of_stiffness.im * k};
-  };
-  const auto diagonal = [&](std::size_t i) {
-    return entry(mass_.diagonal[i], damping_.diagonal[i], stiffness_.diagonal[i]);
-  };
-  const auto beside = [&](std::size_t i) {
-    return entry(mass_.off_diagonal[i], damping_.off_diagonal[i], stiffness_.off_diagonal[i]);
-  };
-  const std::size_t n = nodes_.size(), middle = middle_;
-  // Either end's elimination, `off` being the entry of node i and the next one, towards the right or the left.
-  struct Front {
-    Complex pivot, upper, coupling;
-  };
-  const auto lean = [&](Front& front, std::size_t off, double towards) {
-    const auto of = [&](const BandedMatrix& matrix) { return matrix.skew.empty() ? 0.0 : towards * matrix.skew[off]; };
-    const Complex skew = entry(of(mass_), of(damping_), of(stiffness_));
-    front.upper = front.upper + skew;
-    front.coupling = front.coupling - skew;
-  };
+  const Coefficients at = coefficients();
+  // Pointers of its own: what is stored could change those of vectors, for all that the compiler knows.
+  const Entries diagonal{mass_.diagonal.data(), damping_.diagonal.data(), stiffness_.diagonal.data()};
+  const Entries beside{mass_.off_diagonal.data(), damping_.off_diagonal.data(), stiffness_.off_diagonal.data()};
   const bool skew = !mass_.skew.empty() || !stiffness_.skew.empty();
-  const auto row_entry = [&](std::size_t r, std::size_t k) {
-    const auto of = [&](const BandedMatrix& matrix) {
-      return matrix.one_sided.empty() ? 0.0 : matrix.one_sided[r].entries[k];
-    };
-    return entry(of(mass_), of(damping_), of(stiffness_));
+  Node* const nodes = nodes_.data();
+  const unsigned char *const flags = flags_.data(), *const held = held_.data();
+  const std::size_t n = nodes_.size(), middle = middle_;
+  // Either end's elimination comes to node i, whose diagonal has lost that; `off` is the entry of it and the next one.
+  const auto come = [=](std::size_t i, std::size_t off, const Complex& loss) __attribute__((always_inline)) {
+    return Front{at(diagonal, i) - loss, at(beside, off), at(beside, off)};
   };
-  const auto begin = [&](std::size_t i, std::size_t off, bool last) {
-    Front front{diagonal(i), beside(off), beside(off)};
-    if (skew) lean(front, off, last ? -1.0 : 1.0);
-    return front;
-  };
-  // Adds one-sided rows to node i and its neighbours. A row that goes ahead, where the elimination goes, has an
-  // entry beyond the next node; of one that goes back the node before that is taken out.
-  const auto amend = [&](Front& front, std::size_t i) {
-    for (std::size_t r = 0; r < beyond_.size(); ++r) {
-      const OneSidedRow& row = mass_.one_sided[r];
-      const bool right = row.row > middle, ahead = row.leftwards == right;
-      if (row.row == i) {
-        front.pivot = front.pivot + row_entry(r, 0);
-        if (ahead) front.upper = front.upper + row_entry(r, 1), beyond_[r] = row_entry(r, 2);
-      } else if (ahead && i == row.column(1)) {
-        front.upper = front.upper - nodes_[row.row].away * beyond_[r];
-        beyond_[r] = beyond_[r] * nodes_[row.row].inverse_pivot;
-      } else if (!ahead && i == row.column(1)) {
-        const Node& out = nodes_[row.column(2)];
-        front.coupling = front.coupling + row_entry(r, 1) - row_entry(r, 2) * out.towards;
-        beyond_[r] = row_entry(r, 2) * out.inverse_pivot;
-      }
-    }
-  };
-  // Takes node i out; gives what the diagonal of the next one loses. A call would pass the front through memory.
-  const auto take_out = [&](std::size_t i, const Front& front) __attribute__((always_inline)) {
-    Node& here = nodes_[i];
-    here.inverse_pivot = held_[i] ? nothing() : reciprocal(front.pivot);
+  // Takes node i out; gives what the diagonal of the next one loses.
+  const auto take_out = [=](std::size_t i, const Front& front) __attribute__((always_inline)) {
+    Node& here = nodes[i];
+    here.inverse_pivot = held[i] ? nothing() : reciprocal(front.pivot);
     here.towards = front.upper * here.inverse_pivot;
     here.away = front.coupling * here.inverse_pivot;
     return here.away * front.upper;
   };
-  const auto go_on = [&](Front& front, const Complex& loss, std::size_t i, std::size_t off) {
-    front = {diagonal(i) - loss, beside(off), beside(off)};
-    if (skew) lean(front, off, off == i ? 1.0 : -1.0);
-  };
-  const auto give_to_next = [&](std::size_t i, const Front& front) -> Complex {
-    Node& here = nodes_[i];
-    here.inverse_pivot = nothing();
-    here.towards = here.away = {Lanes::Constant(-1.0), Lanes::Zero()};
+  const auto give_to_next = [=](std::size_t i, const Front& front) -> Complex {
+    nodes[i].inverse_pivot = nothing();
+    nodes[i].towards = nodes[i].away = {Lanes{} - 1.0, Lanes{}};
     return nothing() - front.pivot;
   };
-  const auto mind = [&](Front& front, std::size_t i, Complex& loss) {
-    if (flags_[i] & amended) amend(front, i);
-    loss = flags_[i] & tied ? give_to_next(i, front) : take_out(i, front);
+  // By value: an address that is given away would keep both eliminations in memory.
+  const auto pass = [&, at, flags](std::size_t i, std::size_t off, Complex loss) {
+    Front front = come(i, off, loss);
+    if (skew) {
+      const auto of = [off](const BandedMatrix& matrix) { return matrix.skew.empty() ? 0.0 : matrix.skew[off]; };
+      const Complex lean = (off == i ? 1.0 : -1.0) * at(of(mass_), of(damping_), of(stiffness_));
+      front.upper = front.upper + lean;
+      front.coupling = front.coupling - lean;
+    }
+    if (flags[i] & amended) front = amended_front(front, i, at);
+    return flags[i] & tied ? give_to_next(i, front) : take_out(i, front);
   };
-  Front left = begin(0, 0, false), right = begin(n - 1, n - 2, true);
   const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
-  Complex of_left = nothing(), of_right = nothing();
-  mind(left, 0, of_left);
-  mind(right, n - 1, of_right);
-  for (std::size_t j = 1; j < both; ++j) {
-    go_on(left, of_left, j, j);
-    go_on(right, of_right, n - 1 - j, n - 2 - j);
-    if (flags_[j] | flags_[n - 1 - j]) {
-      mind(left, j, of_left);
-      mind(right, n - 1 - j, of_right);
+  Complex left = nothing(), right = nothing();
+  for (std::size_t j = 0; j < both; ++j) {
+    if (skew || (flags[j] | flags[n - 1 - j])) {
+      left = pass(j, j, left);
+      right = pass(n - 1 - j, n - 2 - j, right);
       continue;
     }
-    of_left = take_out(j, left);
-    of_right = take_out(n - 1 - j, right);
+    left = take_out(j, come(j, j, left));
+    right = take_out(n - 1 - j, come(n - 1 - j, n - 2 - j, right));
   }
-  for (std::size_t j = both; j < middle; ++j) {
-    go_on(left, of_left, j, j);
-    mind(left, j, of_left);
+  for (std::size_t j = both; j < middle; ++j) left = pass(j, j, left);
+  for (std::size_t j = both; j < right_count; ++j) right = pass(n - 1 - j, n - 2 - j, right);
+  nodes[middle].inverse_pivot = held[middle] ? nothing() : reciprocal(at(diagonal, middle) - left - right);
+}
+
+// Adds one-sided rows to node i and its neighbours. A row that goes ahead, where the elimination goes, has an entry
+// beyond the next node; of one that goes back the node before that is taken out.
+ShiftedSystems::Front ShiftedSystems::amended_front(Front front, std::size_t i, const Coefficients& at) {
+  const auto row_entry = [&](std::size_t r, std::size_t k) {
+    const auto of = [&](const BandedMatrix& matrix) {
+      return matrix.one_sided.empty() ? 0.0 : matrix.one_sided[r].entries[k];
+    };
+    return at(of(mass_), of(damping_), of(stiffness_));
+  };
+  for (std::size_t r = 0; r < beyond_.size(); ++r) {
+    const OneSidedRow& row = mass_.one_sided[r];
+    const bool right = row.row > middle_, ahead = row.leftwards == right;
+    if (row.row == i) {
+      front.pivot = front.pivot + row_entry(r, 0);
+      if (ahead) front.upper = front.upper + row_entry(r, 1), beyond_[r] = row_entry(r, 2);
+    } else if (ahead && i == row.column(1)) {
+      front.upper = front.upper - nodes_[row.row].away * beyond_[r];
+      beyond_[r] = beyond_[r] * nodes_[row.row].inverse_pivot;
+    } else if (!ahead && i == row.column(1)) {
+      const Node& out = nodes_[row.column(2)];
+      front.coupling = front.coupling + row_entry(r, 1) - row_entry(r, 2) * out.towards;
+      beyond_[r] = row_entry(r, 2) * out.inverse_pivot;
+    }
   }
-  for (std::size_t j = both; j < right_count; ++j) {
-    go_on(right, of_right, n - 1 - j, n - 2 - j);
-    mind(right, n - 1 - j, of_right);
-  }
-  nodes_[middle].inverse_pivot = held_[middle] ? nothing() : reciprocal(diagonal(middle) - of_left - of_right);
+  return front;
 }
 
 void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
   const std::size_t n = nodes_.size();
   if (!stiffness_.one_sided.empty() || !stiffness_.skew.empty()) return multiply_beside(x, out);
-  double before = 0.0;  // pull of the element on the left
-  for (std::size_t i = 0; i < n; ++i) {
-    const double pull = i + 1 < n ? stiffness_.off_diagonal[i] * (x[i + 1] - x[i]) : 0.0;
-    out[i] = held_[i] ? 0.0 : bound_[i] * x[i] + (pull - before);
-    before = pull;
-  }
+  // Pulls of the elements first, then their differences: several nodes at once.
+  for (std::size_t i = 0; i + 1 < n; ++i) out[i] = stiffness_.off_diagonal[i] * (x[i + 1] - x[i]);
+  out[n - 1] = 0.0;
+  for (std::size_t i = n - 1; i > 0; --i) out[i] = bound_[i] * x[i] + (out[i] - out[i - 1]);
+  out[0] += bound_[0] * x[0];
+  for (const std::size_t i : held_nodes_) out[i] = 0.0;
 }
 
 void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double> out) const {
@@ -229,62 +208,63 @@ void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double
       out[row.row] += row.entries[k] * (x[row.column(k)] - x[row.row]);
 }
 
+// The right-hand side of node i less the share in its one-sided rows, back or ahead, of the node beyond the next one.
+Complex ShiftedSystems::less_beyond(std::size_t i, Flag rows, Complex at, std::span<const Complex> x) const {
+  for (std::size_t r = 0; r < beyond_.size(); ++r) {
+    const OneSidedRow& row = mass_.one_sided[r];
+    const bool ahead = row.leftwards == (row.row > middle_);
+    if (row.row == i && ahead == (rows == goes_ahead)) at = at - beyond_[r] * x[row.column(2)];
+  }
+  return at;
+}
+
 template <class RightSide>
-void ShiftedSystems::substitute(RightSide&& right_side, std::span<Complex> x) const {
+void ShiftedSystems::substitute(const RightSide& right_side, std::span<Complex> of) const {
   const std::size_t n = nodes_.size(), middle = middle_;
-  const auto take_beyond = [&](std::size_t i, unsigned char flag, Complex& at) {
-    if (!(flags_[i] & flag)) return;
-    for (std::size_t r = 0; r < beyond_.size(); ++r) {
-      const OneSidedRow& row = mass_.one_sided[r];
-      const bool ahead = row.leftwards == (row.row > middle);
-      if (row.row == i && ahead == (flag == goes_ahead)) at = at - beyond_[r] * x[row.column(2)];
-    }
-  };
+  const Node* const nodes = nodes_.data();
+  const unsigned char* const flags = flags_.data();
+  Complex* const x = of.data();
+  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
   Complex left = right_side(0), right = right_side(n - 1);
   x[0] = left;
   x[n - 1] = right;
-  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
-  const auto out_left = [&](std::size_t j) {
-    left = right_side(j) - nodes_[j - 1].away * left;
-    take_beyond(j, goes_back, left);
-    x[j] = left;
-  };
-  const auto out_right = [&](std::size_t j) {
-    right = right_side(n - 1 - j) - nodes_[n - j].away * right;
-    take_beyond(n - 1 - j, goes_back, right);
-    x[n - 1 - j] = right;
+  // From the node `before`, which is further out, to node j.
+  const auto out =
+      [&, nodes, flags, x ](std::size_t j, std::size_t before, const Complex& last) __attribute__((always_inline)) {
+    Complex at = right_side(j) - nodes[before].away * last;
+    if (flags[j] & goes_back) at = less_beyond(j, goes_back, at, of);
+    return x[j] = at;
   };
   std::size_t j = 1;
-  for (; j < both; ++j) out_left(j), out_right(j);
-  for (std::size_t i = j; i < middle; ++i) out_left(i);
-  for (std::size_t i = j; i < right_count; ++i) out_right(i);
-  left = right = x[middle] = nodes_[middle].inverse_pivot *
-                             (right_side(middle) - nodes_[middle - 1].away * left - nodes_[middle + 1].away * right);
-  const auto in_left = [&](std::size_t i) {
-    left = nodes_[i].inverse_pivot * x[i] - nodes_[i].towards * left;
-    take_beyond(i, goes_ahead, left);
-    x[i] = left;
-  };
-  const auto in_right = [&](std::size_t k) {
-    right = nodes_[k].inverse_pivot * x[k] - nodes_[k].towards * right;
-    take_beyond(k, goes_ahead, right);
-    x[k] = right;
+  for (; j < both; ++j) {
+    left = out(j, j - 1, left);
+    right = out(n - 1 - j, n - j, right);
+  }
+  for (std::size_t i = j; i < middle; ++i) left = out(i, i - 1, left);
+  for (std::size_t i = j; i < right_count; ++i) right = out(n - 1 - i, n - i, right);
+  left = right = x[middle] = nodes[middle].inverse_pivot *
+                             (right_side(middle) - nodes[middle - 1].away * left - nodes[middle + 1].away * right);
+  const auto in = [&, nodes, flags, x ](std::size_t i, const Complex& last) __attribute__((always_inline)) {
+    Complex at = nodes[i].inverse_pivot * x[i] - nodes[i].towards * last;
+    if (flags[i] & goes_ahead) at = less_beyond(i, goes_ahead, at, of);
+    return x[i] = at;
   };
   std::size_t i = middle, k = middle + 1;
-  for (; i > both; --i) in_left(i - 1);
-  for (; n - k > both; ++k) in_right(k);
-  for (; i > 0; --i, ++k) in_left(i - 1), in_right(k);
+  for (; i > both; --i) left = in(i - 1, left);
+  for (; n - k > both; ++k) right = in(k, right);
+  for (; i > 0; --i, ++k) {
+    left = in(i - 1, left);
+    right = in(k, right);
+  }
 }
 
 // Row i of right_side - D x.
 Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const {
   if (held_[i]) return nothing();
   const std::size_t n = nodes_.size();
-  const Formula& formula = Formula::get();
-  const double h = h_;
-  const Complex of_mass = formula.poles, of_stiffness = {h * h * formula.inverse.re, h * h * formula.inverse.im};
+  const Coefficients at = coefficients();
   const auto elastic = [&](double c, double k) -> Complex {
-    return {of_stiffness.re * k + h * c, of_stiffness.im * k};
+    return {at.of_stiffness.re * k + at.h * c, at.of_stiffness.im * k};
   };
   const auto times = [](double m, const Complex& z) -> Complex { return {m * z.re, m * z.im}; };
   Complex inertia = times(mass_.diagonal[i], x[i]);
@@ -305,7 +285,7 @@ Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::
       sum = sum -
             elastic(damping_.one_sided[r].entries[k], stiffness_.one_sided[r].entries[k]) * (x[row.column(k)] - x[i]);
   }
-  return sum - of_mass * inertia;
+  return sum - at.of_mass * inertia;
 }
 
 void ShiftedSystems::solve(std::span<const double> force, std::span<const double> stiff_rate, bool loaded,

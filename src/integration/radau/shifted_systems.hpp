@@ -48,11 +48,39 @@ class ShiftedSystems {
   // where it goes back, or is to be where it goes ahead; it is tied to the next one.
   enum Flag : unsigned char { amended = 1, goes_back = 2, goes_ahead = 4, tied = 8 };
 
+  // An elimination that has come to a node.
+  struct Front {
+    Complex pivot, upper, coupling;
+  };
+
+  // Entries of the three matrices.
+  struct Entries {
+    const double *m, *c, *k;
+  };
+
+  // The combination of the matrices in a step of length h.
+  struct Coefficients {
+    Complex of_mass, of_stiffness;
+    double h;
+    [[gnu::always_inline]] Complex operator()(double m, double c, double k) const {
+      return {of_mass.re * m + of_stiffness.re * k + h * c, of_mass.im * m + of_stiffness.im * k};
+    }
+    [[gnu::always_inline]] Complex operator()(const Entries& of, std::size_t i) const {
+      return (*this)(of.m[i], of.c[i], of.k[i]);
+    }
+  };
+  Coefficients coefficients() const {
+    const Formula& formula = Formula::get();
+    return {formula.poles, {h_ * h_ * formula.inverse.re, h_ * h_ * formula.inverse.im}, h_};
+  }
+
   void flag_rows(const BarSystem& bar);
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);
   void multiply_beside(std::span<const double> x, std::span<double> out) const;  // with a side that resists
+  [[gnu::noinline]] Front amended_front(Front front, std::size_t i, const Coefficients& at);
+  [[gnu::noinline]] Complex less_beyond(std::size_t i, Flag rows, Complex at, std::span<const Complex> x) const;
   template <class RightSide>
-  void substitute(RightSide&& right_side, std::span<Complex> x) const;
+  void substitute(const RightSide& right_side, std::span<Complex> of) const;
   Complex residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const;
 
   BandedMatrix mass_, damping_, stiffness_;
@@ -61,6 +89,7 @@ class ShiftedSystems {
   double rounding_ = 0.0;
   std::vector<Complex> right_, correction_;
   std::vector<unsigned char> held_;
+  std::vector<std::size_t> held_nodes_;
   std::vector<Node> nodes_;
   std::size_t middle_ = 0;
   std::vector<unsigned char> flags_;

@@ -116,13 +116,13 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   else if (stiff)
     for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
   else if (!rates.supports.empty() || rates.side)
-    std::ranges::fill(x, Complex{Lanes::Zero(), Lanes::Zero()});
+    std::ranges::fill(x, Complex{});
   for (const auto& [unknown, stiffness, dashpot, mass] : rates.supports)
     x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
   if (const SideRows* side = rates.side) {
     const std::size_t first = system_.bar().first_node();
     const auto resisted = [&](std::size_t j) {
-      if (j < first || j - first >= n) return Complex{Lanes::Zero(), Lanes::Zero()};
+      if (j < first || j - first >= n) return Complex{};
       return elastic(-side->drag(j), -side->stiffness(j)) * motion[j - first];
     };
     side->subtract(resisted, first, n, x);
@@ -137,7 +137,7 @@ void StepDerivatives::gather_load(std::size_t k, const Step& step, std::span<con
   Part& part = parts_[k];
   Derivative& derivative = *derivatives_[k];
   const std::span<const double> block = layout_.derivative(begin, k);
-  if (!driven) std::ranges::fill(part.x, Complex{Lanes::Zero(), Lanes::Zero()});
+  if (!driven) std::ranges::fill(part.x, Complex{});
   Moment at = begin_;
   for (std::size_t m = 0; m < stages; ++m) {
     at.t = m + 1 == stages ? step.reached : step.t + formula.nodes[m] * h_;
@@ -169,7 +169,7 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
     const std::vector<Complex>& x = parts_[k].x;
     const Complex s = image(q[end], x[end]), s_stretch = s - image(q[beside], x[beside]);
     Complex& impulse = parts_[k].impulses[e];
-    for (Eigen::Index l = 0; l < static_cast<Eigen::Index>(lanes); ++l) {
+    for (std::size_t l = 0; l < lanes; ++l) {
       const Derivative& of = *derivatives_[k];
       impulse.re[l] += h_ * of.elastic_row(end, u.re[l], u_stretch.re[l], s.re[l], s_stretch.re[l]);
       impulse.im[l] += h_ * of.elastic_row(end, u.im[l], u_stretch.im[l], s.im[l], s_stretch.im[l]);
@@ -196,8 +196,7 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
   double largest = 0.0;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];
-    for (std::size_t e = 0; e < ends_.size(); ++e)
-      part.impulses[e] = {Lanes::Constant(h_ * part.impulse_rates[e]), Lanes::Zero()};
+    for (std::size_t e = 0; e < ends_.size(); ++e) part.impulses[e] = {Lanes{} + h_ * part.impulse_rates[e], Lanes{}};
     bool driven = drive(k, motion);
     const auto weight = layout_.derivative(weights, k);
     if (derivatives_[k]->load_varies()) {

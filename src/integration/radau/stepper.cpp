@@ -57,7 +57,7 @@ class Stepper final : public LegStepper {
   void begin_run(std::vector<std::size_t> sampled_entries) override {
     entries_ = std::move(sampled_entries);
     sampled_.resize(entries_.size());
-    for (auto& points : points_) points.resize(entries_.size() * (stages + 1));
+    for (auto& points : points_) points.resize(entries_.size());
   }
 
   void restart(double t, double stop, std::span<const double> y) override {
@@ -137,22 +137,13 @@ class Stepper final : public LegStepper {
     return sampled_;
   }
 
-  // Those of a step are computed together: their weights are the same in each step.
-  std::span<const double> sample_point(std::size_t j, double, int derivative) override {
-    const auto d = static_cast<std::size_t>(derivative);
-    if (!std::exchange(pointed_[d], true)) sample_points(derivative, points_[d]);
-    return std::span<const double>(points_[d]).subspan(j * entries_.size(), entries_.size());
-  }
-
-  void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
-
- private:
-  // Point by point.
-  void sample_points(int derivative, std::vector<double>& out) const {
+  // Their weights are the same in each step.
+  std::span<const PointValues> samples(double, double, int derivative, std::span<const std::size_t> asked) override {
     const Formula& formula = Formula::get();
     static const Samples theta = Samples::LinSpaced(0.0, (2.0 * stages - 1.0) / stages);
+    std::vector<PointValues>& points = points_[derivative == 0 ? 0 : 1];
     const std::size_t n = layout_.nodes;
-    for (const std::size_t k : selected_) {
+    for (const std::size_t k : derivative == 0 ? std::span<const std::size_t>(selected_) : asked) {
       const bool rate = entries_[k] >= n;
       const std::size_t i = rate ? entries_[k] - n : entries_[k];
       const double w = begin_y_[n + i];
@@ -161,10 +152,14 @@ class Stepper final : public LegStepper {
         values = rate ? (w + values).eval() : (begin_y_[i] + h_ * (w * theta + values)).eval();
       else
         values = rate ? (values / h_).eval() : (w + values).eval();
-      for (std::size_t j = 0; j <= stages; ++j) out[j * entries_.size() + k] = values[static_cast<Eigen::Index>(j)];
+      Samples::Map(points[k].data()) = values;
     }
+    return points;
   }
 
+  void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
+
+ private:
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
   // on (Gustafsson's predictive control).
   void grow(double h, double error) {
@@ -214,8 +209,7 @@ class Stepper final : public LegStepper {
     const bool loaded = system_.load().varies();
     if (loaded) gather_load(h);
     systems_.solve(force_, stiff_rate_, loaded, x_);
-    by_part_.clear();
-    pointed_ = {};
+    sorted_ = false;
     statistics_.linear_solves += lanes;
     // Columns: w, u / h, their errors.
     const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
@@ -286,7 +280,7 @@ class Stepper final : public LegStepper {
     const Formula& formula = Formula::get();
     const Parts w = formula.weights(theta, 0), u = formula.weights_over_pole(w);
     const std::size_t n = layout_.nodes;
-    if (by_part_.empty()) sort_by_part();
+    if (!std::exchange(sorted_, true)) sort_by_part();
     // Sums over the parts of several nodes at once; takes() wants five.
     const auto move = [&](std::size_t i, auto size, auto displaced) {
       using Values = Eigen::Array<double, decltype(size)::value, 1>;
@@ -309,7 +303,7 @@ class Stepper final : public LegStepper {
         nodes == Nodes::all ? move(i, size, std::true_type()) : move(i, size, std::false_type());
       move(n - size, size, std::true_type());
     };
-    if (n < 8)
+    if (n < 8 || nodes == Nodes::ends)
       move_all(std::integral_constant<std::size_t, 4>());
     else
       move_all(std::integral_constant<std::size_t, 8>());
@@ -330,8 +324,8 @@ class Stepper final : public LegStepper {
     by_part_.resize(parts * n);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t l = 0; l < lanes; ++l) {
-        by_part_[l * n + i] = x_[i].re[static_cast<Eigen::Index>(l)];
-        by_part_[(lanes + l) * n + i] = x_[i].im[static_cast<Eigen::Index>(l)];
+        by_part_[l * n + i] = x_[i].re[l];
+        by_part_[(lanes + l) * n + i] = x_[i].im[l];
       }
   }
 
@@ -380,12 +374,12 @@ class Stepper final : public LegStepper {
   std::vector<double> force_, stiff_rate_, load_change_;  // F and K w where the run is
   LoadTail load_tail_;
   std::vector<Complex> x_;
-  std::vector<double> accelerations_;            // of a time of the account
-  std::vector<double> by_part_;                  // x_ sorted by part; empty until the step is interpolated
+  std::vector<double> accelerations_;  // of a time of the account
+  std::vector<double> by_part_;        // x_ sorted by part, once the step is interpolated
+  bool sorted_ = false;
   std::vector<std::size_t> entries_, selected_;  // entries that can be sampled; the positions of those that are
   std::vector<double> sampled_, inner_;
-  std::array<std::vector<double>, 2> points_;  // values and rates at the points of sample_point()
-  std::array<bool, 2> pointed_{};              // points_ belong to this step
+  std::array<std::vector<PointValues>, 2> points_;  // of samples(): values and rates
   StepPowers powers_;
   GaussPowers gauss_powers_;
   std::optional<StepDerivatives> derivatives_;
