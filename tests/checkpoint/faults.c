@@ -1,8 +1,8 @@
 // Preloaded, lets calls fail as VISCOBAR_FAULT says, from the beginning of main() on:
 //
 //     malloc:N     the N-th allocation finds no memory, or the first behind it that is not one of HDF5 1.10 for itself
-//                  (which then goes on in memory that it has freed) or of SUNContext_Create or ARKStepSetTableNum
-//                  of SUNDIALS 6.4 (which use what they did not get)
+//                  (which then goes on in memory that it has freed) or of SUNContext_Create, SUNLogger_Create or
+//                  ARKStepSetTableNum of SUNDIALS 6.4 and 7.1 (which use what they did not get)
 //     write:N      from the N-th write on, files take nothing more: no space left
 //     short:0      files take at most half of what a write offers, and a kilobyte
 //     one-write:N  the N-th write alone fails: no space left
@@ -46,7 +46,7 @@ static int for_library(void) {
     if (!dladdr(frames[i], &info) || !info.dli_fname) continue;
     const char* function = info.dli_sname ? info.dli_sname : "";
     if (strstr(info.dli_fname, "hdf5") || !strncmp(function, "H5", 2) || !strcmp(function, "SUNContext_Create") ||
-        !strcmp(function, "ARKStepSetTableNum"))
+        !strcmp(function, "SUNLogger_Create") || !strcmp(function, "ARKStepSetTableNum"))
       return 1;
   }
   return 0;
