@@ -26,6 +26,15 @@ inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::e
   lanes = load_lanes(values.data());
 }
 
+/// The sum of all lanes, by halves: the order of std::experimental::reduce depends on the width of registers.
+[[gnu::always_inline]] inline double sum_of(Lanes lanes) {
+  change_lanes(lanes, [](auto& values) {
+    for (std::size_t half = lane_count / 2; half > 0; half /= 2)
+      for (std::size_t l = 0; l < half; ++l) values[l] += values[l + half];
+  });
+  return lanes[0];
+}
+
 /// An order of the nodes of a chain of bars in which 16 lanes of equally many nodes lie side by side,
 ///
 ///     first nodes | row 0 of all lanes | row 1 of all | ... | other nodes,

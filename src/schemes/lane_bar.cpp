@@ -326,7 +326,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       sums += weighted(k, difference * difference);
       here = next;
     }
-    return std::experimental::reduce(sums);
+    return sum_of(sums);
   };
   double sum = 0.0;
   if (!system_.rows_alike()) {
@@ -357,7 +357,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     const Lanes last = load_lanes(&p[separators]) + lever * load_lanes(&a[separators]);
     const Lanes difference =
         last - load_lanes(&p[separators - lane_count]) - lever * load_lanes(&a[separators - lane_count]);
-    sum += std::experimental::reduce(Lanes(difference * difference));
+    sum += sum_of(difference * difference);
     for (std::size_t i = end; i + 1 < n; ++i) sum += squared(i, i + 1);
   }
   if (system_.left_fixed()) sum += node(0) * node(0);
@@ -371,7 +371,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   std::size_t i = 0;
   for (; i + lane_count <= load.size(); i += lane_count)
     sums += load_lanes(&load[i]) * (load_lanes(&p[i]) + lever * load_lanes(&a[i]));
-  double sum = std::experimental::reduce(sums);
+  double sum = sum_of(sums);
   for (; i < load.size(); ++i) sum += load[i] * (p[i] + lever * a[i]);
   return sum;
 }
