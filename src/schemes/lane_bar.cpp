@@ -367,13 +367,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
 
 [[gnu::flatten]] double power(std::span<const double> load, std::span<const double> p, double lever,
                               std::span<const double> a) {
-  Lanes sums = 0.0;
-  std::size_t i = 0;
-  for (; i + lane_count <= load.size(); i += lane_count)
-    sums += load_lanes(&load[i]) * (load_lanes(&p[i]) + lever * load_lanes(&a[i]));
-  double sum = sum_of(sums);
-  for (; i < load.size(); ++i) sum += load[i] * (p[i] + lever * a[i]);
-  return sum;
+  return sum_by_lanes(load.size(), [lever, load = load.data(), p = p.data(), a = a.data()](auto&& at) {
+    return at(load) * (at(p) + lever * at(a));
+  });
 }
 
 }  // namespace viscobar
