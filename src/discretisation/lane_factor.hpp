@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,32 @@ inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::e
   store_lanes(lanes, values.data());
   change(values);
   lanes = load_lanes(values.data());
+}
+
+/// The sum of all lanes, by halves: the order of std::experimental::reduce depends on the width of registers.
+[[gnu::always_inline]] inline double sum_of(Lanes lanes) {
+  change_lanes(lanes, [](auto& values) {
+    for (std::size_t half = lane_count / 2; half > 0; half /= 2)
+      for (std::size_t l = 0; l < half; ++l) values[l] += values[l + half];
+  });
+  return lanes[0];
+}
+
+/// term(at) summed over n entries, `at` loading 16 of an array, or what is left of it and zeros. A loop that adds to
+/// one number has its terms multiplied as many at once as registers hold, and only the others contracted with the
+/// addition.
+inline double sum_by_lanes(std::size_t n, auto&& term) {
+  Lanes sums = 0.0;
+  std::size_t i = 0;
+  for (; i + lane_count <= n; i += lane_count)
+    sums += term([i](const double* x) __attribute__((always_inline)) { return load_lanes(x + i); });
+  if (i < n)
+    sums += term([=](const double* x) {
+      std::array<double, lane_count> rest{};
+      std::copy(x + i, x + n, rest.begin());
+      return load_lanes(rest.data());
+    });
+  return sum_of(sums);
 }
 
 /// An order of the nodes of a chain of bars in which 16 lanes of equally many nodes lie side by side,

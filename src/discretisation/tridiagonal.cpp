@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "discretisation/dense.hpp"
+#include "discretisation/lane_factor.hpp"
 
 namespace viscobar {
 
@@ -47,11 +48,11 @@ void BandedMatrix::multiply(std::span<const double> x, std::span<double> out) co
   for (const OneSidedRow& one : one_sided) out[one.row] += one.times(x);
 }
 
-double BandedMatrix::quadratic_form(std::span<const double> x) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) sum += diagonal[i] * x[i] * x[i];
-  for (std::size_t i = 0; i < off_diagonal.size(); ++i) sum += 2.0 * off_diagonal[i] * x[i] * x[i + 1];
-  return sum;
+[[gnu::flatten]] double BandedMatrix::quadratic_form(std::span<const double> x) const {
+  const double* const u = x.data();
+  const auto on = [=, d = diagonal.data()](auto&& at) { return at(d) * at(u) * at(u); };
+  const auto off = [=, o = off_diagonal.data()](auto&& at) { return at(o) * at(u) * at(u + 1); };
+  return sum_by_lanes(size(), on) + 2.0 * sum_by_lanes(off_diagonal.size(), off);
 }
 
 void TridiagonalFactor::factorise(const BandedMatrix& matrix) {

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "discretisation/partial_sums.hpp"
+#include "discretisation/lane_factor.hpp"
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
 #include "dynamics/pieces.hpp"
@@ -17,14 +17,20 @@ std::vector<double> part_of(std::span<const double> entries, std::size_t first, 
   return {part.begin(), part.end()};
 }
 
-// Sum over the elements of weight(e) (difference of the ends' values)^2, the fixed neighbours being given.
-double squared_differences(std::span<const double> x, const double* left, const double* right, auto&& weight) {
-  const auto squared = [](double difference) { return difference * difference; };
+// Sum over the elements of weights[e], or 1, (difference of the ends' values)^2, the fixed neighbours being given.
+double squared_differences(std::span<const double> x, const double* left, const double* right, const double* weights) {
   const std::size_t inner = x.size() - 1, first = left ? 1 : 0;
-  const auto term = [&, u = x.data()](std::size_t i) { return squared(u[i + 1] - u[i]) * weight(first + i); };
-  double sum = partial_sums(inner, term);
-  if (left) sum += squared(x.front() - *left) * weight(0);
-  if (right) sum += squared(*right - x.back()) * weight(first + inner);
+  const auto squared = [weights](double difference, std::size_t e) {
+    return difference * difference * (weights ? weights[e] : 1.0);
+  };
+  const auto squares = [u = x.data()](auto&& at) {
+    const Lanes difference = at(u + 1) - at(u);
+    return Lanes(difference * difference);
+  };
+  double sum = weights ? sum_by_lanes(inner, [=, of = weights + first](auto&& at) { return squares(at) * at(of); })
+                       : sum_by_lanes(inner, squares);
+  if (left) sum += squared(x.front() - *left, 0);
+  if (right) sum += squared(*right - x.back(), first + inner);
   return sum;
 }
 
@@ -400,9 +406,8 @@ double BarSystem::squared_strain_rate(std::span<const double> w) const {
 
 double BarSystem::squared_differences_of(std::span<const double> x, std::array<const double*, 2> walls,
                                          std::span<const double> weights) const {
-  if (rows_alike())
-    return squared_differences(x, walls[0], walls[1], [](std::size_t) { return 1.0; }) / mesh_.spacing();
-  return squared_differences(x, walls[0], walls[1], [of = weights.data()](std::size_t e) { return of[e]; });
+  if (rows_alike()) return squared_differences(x, walls[0], walls[1], nullptr) / mesh_.spacing();
+  return squared_differences(x, walls[0], walls[1], weights.data());
 }
 
 double BarSystem::energy(std::span<const double> u, std::span<const double> w) const {

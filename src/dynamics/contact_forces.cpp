@@ -95,4 +95,13 @@ double row_reaction(PenalisedSystem& system, std::size_t i, double t, std::span<
   return -stress / bar.stretch_at(node) - sign * system.load().at(node, t);
 }
 
+double resting_force(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u, std::span<double> w,
+                     std::span<double> force) {
+  const ContactNode& contact = system.contacts()[i];
+  system.complete_velocity(t, u, w);
+  system.force(t, u, w, force);
+  system.accelerate(force);
+  return -contact.sign * contact.of(force) * contact.law.linear().stiffness / (contact.rate * contact.rate);
+}
+
 }  // namespace viscobar

@@ -23,5 +23,10 @@ double holding_force(PenalisedSystem& system, std::size_t i, double t, std::span
 /// where it pushes. R = -(E (u_1 + s gap) + eta w_1) s / h - s (M f)_i, less k gap of a spring at that end.
 double row_reaction(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u,
                     std::span<const double> w);
+/// Reaction that keeps the node of contact i, which has mass and is open now, from accelerating, R >= 0 where it
+/// pushes: -m s a with rho M a = F, m = k / omega^2. Its error is that of F and no stiffness times a depth. `w` is
+/// completed, `force` is scratch.
+double resting_force(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u, std::span<double> w,
+                     std::span<double> force);
 
 }  // namespace viscobar

@@ -199,7 +199,7 @@ inline double EventSearch::uncertainty(std::size_t i) const {
            : contacts_[i].collides ? weights.tolerance_at(i)
                                    : weights.displacement_tolerance();
   const double rounding = indicators_.rounding(i, weights.largest_displacement());
-  if (!toggles(i) || (opens_by_pull(i) && !contacts_[i].massless)) return rounding;
+  if (!toggles(i) || (contacts_.closed(i) && springs(i))) return rounding;
   return rounding + share_ * (contacts_.closed(i) && contacts_[i].relaxes()
                                   ? weights.reaction_tolerance() / (1.0 + contacts_[i].relative_stiffness)
                                   : weights.displacement_tolerance());
@@ -223,29 +223,26 @@ double EventSearch::against(std::size_t i, double t) {
   return against(i, t, state_);
 }
 
-// Positive where the bar presses the node of contact i, open now, back at once. Without rebound it does wherever it
-// presses: a critically damped spring never throws a node out. Else it is where the node would rise by a rounding.
-double EventSearch::pressed_back(std::size_t i, double t) {
+// (h/E) times the reaction of a closed contact that opens by it. One whose spring is on a node with mass counts as open
+// meanwhile: the spring's own force is mostly its stiffness times the error of a depth.
+double EventSearch::push(std::size_t i, double t) {
+  if (!springs(i)) return against(i, t);
   const std::size_t n = system_.size();
+  acceleration_.resize(n);
   stepper_.interpolate(t, state_);
   const std::span<double> u(state_.data(), n), w(state_.data() + n, n);
-  const double leaves = contacts_[i].of(w);
-  system_.complete_velocity(t, u, w);
-  acceleration_.resize(n);
-  system_.force(t, u, w, acceleration_);
-  system_.accelerate(acceleration_);
-  const double pressed = -contacts_[i].sign * contacts_[i].of(acceleration_);
-  return rebounds(i) ? pressed * uncertainty(i) - 0.5 * leaves * leaves : pressed;
+  return resting_force(system_, i, t, u, w, acceleration_) * system_.bar().stretch_at(contacts_[i].unknown) /
+         system_.bar().bar().modulus;
 }
 
-// (h/E) times the reaction of a closed contact that opens by it.
-double EventSearch::push(std::size_t i, double t) {
-  if (contacts_[i].changes_by_row || contacts_[i].collides) return against(i, t);
-  const std::size_t n = system_.size();
-  stepper_.interpolate_ends(t, state_);
-  const std::span<const double> u(state_.data(), n), w(state_.data() + n, n);
-  return contacts_[i].sign * contacts_[i].law.force(contacts_.clearance(i, u), contacts_[i].of(w)) *
-         system_.bar().stretch_at(contacts_[i].unknown) / system_.bar().bar().modulus;
+// Positive where the bar presses the node of contact i, open now, back at once. Without rebound it does wherever it
+// presses: a critically damped spring never throws a node out. Else it is where the node would rise by what is
+// uncertain.
+double EventSearch::pressed_back(std::size_t i, double t) {
+  const double pressed = push(i, t);
+  if (!rebounds(i)) return pressed;
+  const double leaves = contacts_[i].of(std::span<const double>(state_).subspan(system_.size(), system_.size()));
+  return -contacts_[i].sign * contacts_[i].of(acceleration_) * uncertainty(i) - 0.5 * leaves * leaves;
 }
 
 // The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
@@ -260,15 +257,12 @@ std::optional<double> EventSearch::agreed(std::size_t i, double begin, double en
     return part.has_value();
   };
   if (!wait([&](double t) { return against(i, t); })) return std::nullopt;
-  if (contacts_.closed(i) && !contacts_[i].massless && !contacts_[i].collides) {
-    system_.contacts().set_closed(i, false);
-    const bool leaves = wait([&](double t) { return pressed_back(i, t); });
-    system_.contacts().set_closed(i, true);
-    if (!leaves) return std::nullopt;
-  }
-  if (opens_by_pull(i)) return lasting(i, begin, end, s);
-  pulls_[i] = {};
-  return s;
+  if (!contacts_.closed(i) || !springs(i)) return opens_by_pull(i) ? lasting(i, begin, end, s) : std::optional(s);
+  system_.contacts().set_closed(i, false);
+  std::optional<double> opens;
+  if (wait([&](double t) { return pressed_back(i, t); })) opens = rebounds(i) ? s : lasting(i, begin, end, s);
+  system_.contacts().set_closed(i, true);
+  return opens;
 }
 
 // Where contact i opens, which pulls from the part s of the step on, and maybe since earlier: by all that it pulls up
@@ -316,14 +310,14 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
   const bool counts = pull.velocity > weights.velocity_tolerance() ||
                       pull.distance > weights.displacement_tolerance() || pull.of_body > weights.velocity_tolerance() ||
                       pull.way_of_body > weights.displacement_tolerance() ||
-                      (impedance > 0.0 && Bernstein::through(against).first_descent(-noticed(i, h)));
+                      (contacts_[i].collides && Bernstein::through(against).first_descent(-noticed(i, h)));
   if (counts) pull.velocity -= gained;
   return counts;
 }
 
-// (h/E) times the pull that opens a node with mass at once, which has an effect. On a fine mesh the error of a step
-// shows in the reaction as more than that, and a bar that comes to rest may toggle: then, and for that contact alone,
-// the reaction counts as uncertain by a share of that error.
+// (h/E) times the pull that opens a rigid contact on a node with mass at once, which has an effect. On a fine mesh the
+// error of a step shows in the reaction as more than that, and a bar that comes to rest may toggle: then, and for that
+// contact alone, the reaction counts as uncertain by a share of that error.
 double EventSearch::noticed(std::size_t i, double h) const {
   const ErrorWeights& weights = stepper_.weights();
   const double least = weights.negligible_reaction(h);

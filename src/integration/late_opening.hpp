@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/contact_forces.hpp"
 #include "integration/stepper.hpp"
 
 namespace viscobar {
@@ -38,11 +39,7 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
   std::vector<double> force(layout.nodes);
   const auto pull = [&](double at) {
     stepper.interpolate(at, state);
-    const std::span<double> rate = layout.w(state);
-    system.complete_velocity(at, layout.u(state), rate);
-    system.force(at, layout.u(state), rate, force);
-    system.accelerate(force);
-    return contact.sign * mass * contact.of(force);
+    return -resting_force(system, i, at, layout.u(state), layout.w(state), force);
   };
   const double apart = 0.125 * (end - begin), other = t - apart >= begin ? t - apart : t + apart;
   const double now = pull(t), change = std::abs(now - pull(other)) / apart;

@@ -4,8 +4,6 @@
 #include <array>
 #include <optional>
 
-#include "discretisation/partial_sums.hpp"
-
 namespace viscobar {
 
 namespace {
@@ -315,6 +313,13 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   const std::size_t n = order_.size, rows = order_.rows;
   const auto node = [=, p = p.data(), a = a.data()](std::size_t i) { return p[i] + lever * a[i]; };
   const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
+  // Squares of the differences between nodes from i and from j on.
+  const auto pairs = [=, p = p.data(), a = a.data()](std::size_t i, std::size_t j) {
+    return [=](auto&& at) {
+      const Lanes difference = at(p + j) + lever * at(a + j) - (at(p + i) + lever * at(a + i));
+      return Lanes(difference * difference);
+    };
+  };
   // The sum over rows beside each other, as weighted(k, squares) has them.
   const auto of_rows = [&](auto&& weighted) {
     const auto row = [&](std::size_t k) {
@@ -326,39 +331,43 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       sums += weighted(k, difference * difference);
       here = next;
     }
-    return std::experimental::reduce(sums);
+    return sum_of(sums);
   };
   double sum = 0.0;
   if (!system_.rows_alike()) {
     const std::vector<double>& weights = system_.rate_weights();
     if (rows == 0) {
-      sum = partial_sums(n - 1,
-                         [&, of = &weights[system_.first_node()]](std::size_t i) { return squared(i, i + 1) * of[i]; });
+      sum = sum_by_lanes(n - 1, [squares = pairs(0, 1), of = &weights[system_.first_node()]](auto&& at) {
+        return squares(at) * at(of);
+      });
     } else {
       const Weights& of = viscous_.of_rows.empty() ? elastic_ : viscous_;
       const double *const of_edges = of.of_edges.data(), *const begin = p.data(), *const change = a.data();
-      for (std::size_t e = 1, last = edges_.size() - 1; e < last; ++e) {
+      double* const differences = stresses_.data();
+      const std::size_t last = edges_.size() - 1;
+      for (std::size_t e = 1; e < last; ++e) {
         const auto [i, j, element] = edges_[e];
-        const double difference = begin[j] - begin[i] + lever * (change[j] - change[i]);
-        sum += of_edges[e] * (difference * difference);
+        differences[e] = begin[j] - begin[i] + lever * (change[j] - change[i]);
       }
+      sum = sum_by_lanes(last - 1,
+                         [x = differences + 1, of = of_edges + 1](auto&& at) { return at(of) * (at(x) * at(x)); });
       sum += of_rows([rows = of.of_rows.data()](std::size_t k, const Lanes& squares) { return rows[k] * squares; });
     }
     if (system_.left_fixed()) sum += node(0) * node(0) * weights.front();
     if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
     return sum;
   }
-  for (std::size_t i = 0; i + 1 < (rows > 0 ? order_.first : n); ++i) sum += squared(i, i + 1);
+  sum = sum_by_lanes((rows > 0 ? order_.first : n) - 1, pairs(0, 1));
   if (rows > 0) {
     const std::size_t separators = order_.row(rows), end = separators + lane_count;
     sum += squared(order_.first - 1, order_.first) + squared(end - 1, end);
-    for (std::size_t l = 1; l < lane_count; ++l) sum += squared(separators + l - 1, order_.first + l);
+    sum += sum_by_lanes(lane_count - 1, pairs(separators, order_.first + 1));
     sum += of_rows([](std::size_t, const Lanes& squares) { return squares; });
     const Lanes last = load_lanes(&p[separators]) + lever * load_lanes(&a[separators]);
     const Lanes difference =
         last - load_lanes(&p[separators - lane_count]) - lever * load_lanes(&a[separators - lane_count]);
-    sum += std::experimental::reduce(Lanes(difference * difference));
-    for (std::size_t i = end; i + 1 < n; ++i) sum += squared(i, i + 1);
+    sum += sum_of(difference * difference);
+    sum += sum_by_lanes(n - end - 1, pairs(end, end + 1));
   }
   if (system_.left_fixed()) sum += node(0) * node(0);
   if (system_.right_fixed()) sum += node(n - 1) * node(n - 1);
@@ -367,13 +376,9 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
 
 [[gnu::flatten]] double power(std::span<const double> load, std::span<const double> p, double lever,
                               std::span<const double> a) {
-  Lanes sums = 0.0;
-  std::size_t i = 0;
-  for (; i + lane_count <= load.size(); i += lane_count)
-    sums += load_lanes(&load[i]) * (load_lanes(&p[i]) + lever * load_lanes(&a[i]));
-  double sum = std::experimental::reduce(sums);
-  for (; i < load.size(); ++i) sum += load[i] * (p[i] + lever * a[i]);
-  return sum;
+  return sum_by_lanes(load.size(), [lever, load = load.data(), p = p.data(), a = a.data()](auto&& at) {
+    return at(load) * (at(p) + lever * at(a));
+  });
 }
 
 }  // namespace viscobar

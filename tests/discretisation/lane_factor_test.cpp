@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -40,6 +41,22 @@ std::vector<double> solve(const LaneFactor& factor, const std::vector<double>& b
   for (std::size_t i = 0; i < interface.size(); ++i) ordered[order.stored(i)] = interface[i];
   order.to_nodes([&](std::size_t i) { return ordered[i]; }, x);
   return x;
+}
+
+// One order whatever the width of registers: 1e17 takes all that is added to it before it goes.
+TEST(LaneFactor, SumsLanesByHalves) {
+  for (std::size_t i = 0; i < lane_count; ++i)
+    for (std::size_t j = 0; j < lane_count; ++j) {
+      if (i == j) continue;
+      std::array<double, lane_count> values;
+      values.fill(1.0);
+      values[i] = 1e17, values[j] = -1e17;
+      // The lanes whose sums meet that of i before that of j does; both together are l = i mod `apart`.
+      std::size_t apart = lane_count / 2;
+      while (i % apart != j % apart) apart /= 2;
+      const std::size_t lost = lane_count / apart;
+      EXPECT_EQ(sum_of(load_lanes(values.data())), static_cast<double>(lane_count - lost)) << i << " " << j;
+    }
 }
 
 // |A x - b| <= C eps |A| max|x| row by row, whatever the length, the coupling (also positive, as of a consistent mass

@@ -35,6 +35,22 @@ double entry(const BandedMatrix& matrix, std::size_t i, std::size_t j) {
   return neighbours && !matrix.off_diagonal.empty() ? matrix.off_diagonal[std::min(i, j)] : 0.0;
 }
 
+// Zeros behind a vector move its last terms from what is left of a loop into its wide part, where a compiler contracts
+// other operations of a sum that it keeps in order. Registers of another width do the same.
+TEST(Tridiagonal, ZerosBehindAVectorChangeNoBitOfItsQuadraticForm) {
+  std::mt19937 random(2);
+  for (std::size_t n = 2; n < 40; ++n)
+    for (std::size_t zeros = 1; zeros <= 16; ++zeros) {
+      const BandedMatrix matrix = random_matrix(n + zeros, 1.0, random);
+      BandedMatrix part = matrix;
+      part.diagonal.resize(n), part.off_diagonal.resize(n - 1);
+      std::vector<double> x = random_vector(n, random);
+      const double alone = part.quadratic_form(x);
+      x.resize(n + zeros);
+      EXPECT_EQ(matrix.quadratic_form(x), alone) << n << " " << zeros;
+    }
+}
+
 TEST(Tridiagonal, MultiplyAndQuadraticFormAreThoseOfTheFullMatrix) {
   std::mt19937 random(1);
   for (std::size_t n = 1; n < 20; ++n)

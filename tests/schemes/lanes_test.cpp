@@ -6,10 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <random>
+#include <span>
 #include <string>
 
 #include "schemes/end_constraint.hpp"
 #include "schemes/time_step.hpp"
+#include "support/random_vector.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/case.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -148,6 +151,18 @@ TEST(FullyDiscreteLanes, KeepTheEnergyBalance) {
             EXPECT_GT(energy.dissipated, 0.0);
           }
         }
+}
+
+// As ZerosBehindAVectorChangeNoBitOfItsQuadraticForm, of the work of a load in a step.
+TEST(FullyDiscreteLanes, ZerosBehindALoadChangeNoBitOfItsPower) {
+  std::mt19937 random(4);
+  for (std::size_t n = 1; n < 40; ++n)
+    for (std::size_t zeros = 1; zeros <= 16; ++zeros) {
+      auto load = random_vector(n, random), p = random_vector(n + zeros, random), a = random_vector(n + zeros, random);
+      const double alone = power(load, std::span(p).first(n), -1e-3, std::span(a).first(n));
+      load.resize(n + zeros);
+      EXPECT_EQ(power(load, p, -1e-3, a), alone) << n << " " << zeros;
+    }
 }
 
 TEST(FullyDiscreteLanes, CarryARigidMotionExactly) {
