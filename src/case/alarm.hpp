@@ -27,8 +27,8 @@ std::optional<std::string> overflow(const Statistics& statistics);
 ///   E the largest energy on the way (EnergyAccount::largest, less what the balance is off by), a_u and a_v the
 ///   allowance(), and in any case beyond 5 % of E, as a warning. Of `exponential` and the
 ///   schemes, which close their balance to rounding, beyond 1e-9 E and what roundings r U of the displacement add up
-///   to in N steps, sqrt(N) r U 2 J sqrt(2 E modulus / L), U = max(|u_0|, t sqrt(2 E / (rho L))). Ruinous beyond a
-///   hundredth of E.
+///   to in N steps, sqrt(N) r U 2 J sqrt(2 E modulus / L), U = max(|u_0|, t sqrt(2 E / (rho L))). Ruinous beyond that
+///   and a hundredth of E.
 /// - A dissipated energy that is negative by more than that: energy grew without a cause.
 /// - A penetration deeper than all the energy there was could press its spring, d^2 k / 2 > E, where no load works.
 ///   Ruinous.

@@ -64,7 +64,7 @@ class ArkodeStepper final : public PolynomialStepper {
       check("ARKodeReset", ARKodeReset(memory_.get(), t, state_.get()));
     else
       create(t);
-    if (const double step = resolving(stop - t, y); step < stop - t)
+    if (const double step = resolving(stop - t); step < stop - t)
       check("ARKodeSetInitStep", ARKodeSetInitStep(memory_.get(), step));
     check("ARKodeSetStopTime", ARKodeSetStopTime(memory_.get(), stop_));
   }

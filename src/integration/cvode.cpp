@@ -78,9 +78,12 @@ class CvodeStepper final : public Multistep {
     if (bar.has_massless()) return true;
     if (material.viscosity * highest < 2.0 * material.modulus) return false;
     const Contacts& contacts = leg_.system.contacts();
-    double slow_enough = shortness_ * std::sqrt(material.modulus / material.density) / material.length;
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-      if (contacts.closed(i)) slow_enough = std::max(slow_enough, std::min(shortness_ / 650.0, 0.6) * contacts[i].rate);
+    double slow_enough = shortness_ * bar.bar().wave_speed() / material.length;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (!contacts.closed(i)) continue;
+      if (contacts[i].law.bent() || contacts[i].law.linear().damping > 0.0) return true;  // its spring does not swing
+      slow_enough = std::max(slow_enough, std::min(shortness_ / 650.0, 0.6) * contacts[i].rate);
+    }
     return fastest_decay(bar) > slow_enough;
   }
 

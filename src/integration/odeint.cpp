@@ -39,7 +39,7 @@ class OdeintStepper final : public PolynomialStepper {
     std::ranges::copy(y, start.y.begin());
     formulas_.begin_leg(start);
     step_.restart();
-    size_ = resolving(size_, y);
+    size_ = resolving(size_);
   }
 
   double advance() override {

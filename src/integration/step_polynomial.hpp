@@ -180,14 +180,11 @@ class PolynomialStepper : public LegStepper {
         step_(parts.system, parts.layout, parts.derivatives),
         contacts_(parts.system.contacts()) {}
 
-  /// A first step of a leg that resolves the impacts which it begins with. The error estimate of L-stable formulas does
-  /// not see an impact that a step passes over: it would end in rest, and the reaction could have either sign.
-  double resolving(double step, std::span<const double> y) const {
-    const std::span<const double> w = y.subspan(motion_.nodes, motion_.nodes);
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      if (!contacts_.closed(i) || contacts_[i].rate * step <= 1.0) continue;
-      if (-contacts_[i].sign * contacts_[i].of(w) > weights_.velocity_tolerance()) step = 1.0 / contacts_[i].rate;
-    }
+  /// A first step of a leg that resolves the springs of its closed contacts. The error estimate of L-stable formulas
+  /// does not see an impact that a step passes over: it would end in rest, and the reaction could have either sign.
+  double resolving(double step) const {
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      if (contacts_.closed(i) && contacts_[i].rate * step > 1.0) step = 1.0 / contacts_[i].rate;
     return step;
   }
 
