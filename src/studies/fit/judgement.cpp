@@ -87,9 +87,10 @@ struct ModelError {
   Eigen::VectorXd linear, searched;
 };
 ModelError model_error(Search& search, const FitStudy& study, const Minimum& best, const Eigen::MatrixXd& scaled,
-                       const Eigen::MatrixXd& inverse, const Eigen::VectorXd& scale,
+                       const Eigen::MatrixXd& inverse, const Eigen::VectorXd& scale, const Eigen::VectorXd& ways,
                        const std::vector<Eigen::Index>& free, FitResult& result) {
   constexpr std::size_t few_runs = 12;
+  constexpr double farthest = 0.25;
   const std::size_t runs_of_a_step = study.differences ? 1 + 2 * study.parameters.size() : 1;
   ModelError error{Eigen::VectorXd::Zero(inverse.rows()), Eigen::VectorXd::Zero(inverse.rows())};
   try {
@@ -114,6 +115,18 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
       if (search.jumps() && other.misfit.sound)
         error.searched = 2.0 * (other.at - best.at)(free).cwiseAbs().cwiseQuotient(scale(free));
       result.finer_residual = residual_of(other.misfit, best.at.size());
+    }
+    // No derivative leads a search over the plateaus of a parameter that jumps alone tell.
+    for (Eigen::Index a = 0; a < ways.size(); ++a) {
+      double least = fine.sum();
+      for (double way = ways(a); way > 0.0 && way <= farthest * scale(free[a]); way *= 2.0)
+        for (const double sign : {-1.0, 1.0}) {
+          Eigen::VectorXd values = best.at;
+          values(free[a]) = search.limited(free[a], best.at(free[a]), best.at(free[a]) + sign * way);
+          const double sum = further.at(values, Compared::samples, false).sum();
+          if (!(sum < least)) continue;
+          least = sum, error.searched(a) = std::max(error.searched(a), 2.0 * way / scale(free[a]));
+        }
     }
     result.runs += further.runs;
   } catch (const std::bad_alloc&) {
@@ -329,7 +342,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     }
     result.undetermined.push_back(std::move(lack));
   }
-  const ModelError moved = model_error(search, study, best, scaled, inverse, scale, free, result);
+  const ModelError moved = model_error(search, study, best, scaled, inverse, scale, ways, free, result);
   Eigen::VectorXd longer = Eigen::VectorXd::Ones(count);
   for (Eigen::Index a = 0; a < count; ++a) {
     const FittedParameter& parameter = study.parameters[free[a]];
@@ -361,9 +374,9 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
       continue;
     }
     if (ways(a) > 0.0) {
-      deviation = ways(a), error = 0.0, longer(a) = 1.0;
+      error = scale(free[a]) * moved.searched(a), deviation = std::hypot(ways(a), error), longer(a) = 1.0;
       inverse.row(a).setZero(), inverse.col(a).setZero();
-      inverse(a, a) = std::pow(deviation / scale(free[a]), 2) / variance;
+      inverse(a, a) = std::pow(ways(a) / scale(free[a]), 2) / variance;
     }
     result.model_errors[free[a]] = error;
     one.standard_deviation = deviation;
