@@ -235,14 +235,13 @@ double EventSearch::push(std::size_t i, double t) {
          system_.bar().bar().modulus;
 }
 
-// Positive where the bar presses the node of contact i, open now, back at once. Without rebound it does wherever it
-// presses: a critically damped spring never throws a node out. Else it is where the node would rise by what is
-// uncertain.
+// Positive where the bar presses the node of contact i, open now, back before it rises by what is uncertain: a spring
+// that rebounds answers to its own clearance, one that is critically damped to the tolerance.
 double EventSearch::pressed_back(std::size_t i, double t) {
-  const double pressed = push(i, t);
-  if (!rebounds(i)) return pressed;
+  const double within = rebounds(i) ? uncertainty(i) : stepper_.weights().displacement_tolerance();
+  push(i, t);
   const double leaves = contacts_[i].of(std::span<const double>(state_).subspan(system_.size(), system_.size()));
-  return -contacts_[i].sign * contacts_[i].of(acceleration_) * uncertainty(i) - 0.5 * leaves * leaves;
+  return -contacts_[i].sign * contacts_[i].of(acceleration_) * within - 0.5 * leaves * leaves;
 }
 
 // The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
@@ -257,10 +256,11 @@ std::optional<double> EventSearch::agreed(std::size_t i, double begin, double en
     return part.has_value();
   };
   if (!wait([&](double t) { return against(i, t); })) return std::nullopt;
-  if (!contacts_.closed(i) || !is_blurred(i)) return opens_by_pull(i) ? lasting(i, begin, end, s) : std::optional(s);
+  if (!contacts_.closed(i) || !springs(i)) return opens_by_pull(i) ? lasting(i, begin, end, s) : std::optional(s);
   system_.contacts().set_closed(i, false);
   std::optional<double> opens;
-  if (wait([&](double t) { return pressed_back(i, t); })) opens = rebounds(i) ? s : lasting(i, begin, end, s);
+  if (wait([&](double t) { return pressed_back(i, t); }))
+    opens = toggles(i) && !rebounds(i) ? lasting(i, begin, end, s) : s;
   system_.contacts().set_closed(i, true);
   return opens;
 }

@@ -125,12 +125,9 @@ class EventSearch {
   bool opens_by_pull(std::size_t i) const {
     return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
   }
+  // A spring on a node with mass, whose depth is less than a step may be wrong by. One that never throws its node out
+  // opens by its pull, too.
   bool springs(std::size_t i) const { return !contacts_[i].massless && !contacts_[i].collides; }
-  // A spring on a node with mass whose depth is less than a step may be wrong by. One that never throws its node out
-  // opens by its pull then.
-  bool is_blurred(std::size_t i) const {
-    return springs(i) && (toggles(i) || max_penetration_ < stepper_.weights().displacement_tolerance());
-  }
   bool rebounds(std::size_t i) const { return contacts_[i].restitution > 0.0 || contacts_[i].law.stop(); }
   bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
   double push(std::size_t i, double t);

@@ -249,7 +249,6 @@ std::vector<LooseThrow> loose_throws() {
           {0.20671, 0.023, true, 13, Mass::consistent, rest, cosine, pushes, 2.083, 5e-3},
           {0.0049711, 0.1331, true, 3, Mass::fourth_order, [](double x) { return 0.2 * x * (1.0 - x); },
            [](double x) { return -0.5 - 0.4 * x; }, rest, 4.544, 1e-2},
-          {0.0025299, 0.155, false, 3, Mass::consistent, rest, cosine, falls, 3.766, 1e-2},
           {17.396, 0.03, true, 3, Mass::fourth_order, [](double x) { return 0.015 * std::cos(3.0 * x); },
            [](double x) { return -1.0 + 0.6 * x; }, rest, 3.927, 1e-2},
           {0.0023536, 0.045, true, 8, Mass::fourth_order, rest, [](double) { return -1.0; }, falls, 2.269, 1e-2}};
@@ -267,6 +266,7 @@ void expect_contacts_that_last(const RunTrace& trace, const char* method) {
 
 TEST(LooseTolerance, NeitherHoldsAPenalisedContactNorTellsContactsOfNoLength) {
   for (const LooseThrow& one : loose_throws()) {
+    SCOPED_TRACE(one.viscosity);
     Scene scene;
     scene.bar.viscosity = one.viscosity;
     (one.right ? scene.right : scene.left) = Obstacle{one.gap};
