@@ -78,7 +78,7 @@ struct LaneOrder {
   std::size_t interface_size() const { return size - rows * lane_count; }  ///< nodes in no lane
   /// Where node i of the interface is stored.
   std::size_t stored(std::size_t i) const { return i < first || rows == 0 ? i : i + rows * lane_count; }
-  /// Which of the interface's nodes one of them is.
+  /// Number of one of them among the interface's nodes.
   std::size_t interface_index(std::size_t node) const {
     std::size_t inner = 0;
     for (const Run& run : runs) inner += run.node < node ? run.count : 0;

@@ -34,8 +34,8 @@ namespace viscobar {
 ///
 /// A contact that pulls, R < 0, holds back the bar and its node. The bar loses the velocity V = int |R| / (rho L) dt.
 /// The node misses the way int |R| / (eta/h + z) + V dt; z is sqrt(E rho) for one with mass, else 0. A damped node
-/// without mass, one that a rigid contact holds, and one with mass on a spring without rebound are let go as soon as V
-/// or that way exceeds the tolerance of a step, and the bar gets V back. A pull that is an error of the motion turns
+/// without mass, one that a rigid contact holds, and one that toggles on a spring without rebound are let go as soon as
+/// V or that way exceeds the tolerance of a step, and the bar gets V back. A pull that is an error of the motion turns
 /// before.
 class EventSearch {
  public:
@@ -125,8 +125,8 @@ class EventSearch {
   bool opens_by_pull(std::size_t i) const {
     return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
   }
-  // A spring on a node with mass, whose depth is less than a step may be wrong by. One that never throws its node out
-  // opens by its pull, too.
+  // A spring on a node with mass, whose depth may be less than a step is wrong by. One that never throws its node out
+  // opens by its pull where it toggles.
   bool springs(std::size_t i) const { return !contacts_[i].massless && !contacts_[i].collides; }
   bool rebounds(std::size_t i) const { return contacts_[i].restitution > 0.0 || contacts_[i].law.stop(); }
   bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
