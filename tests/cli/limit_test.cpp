@@ -314,10 +314,13 @@ TEST_F(Limit, AFailedRunIsNamedAndTheOthersAreKept) {
   EXPECT_NE(ended.error.find("epsilon = 1e-16 on 27 elements: exponential stopped at t = "), std::string::npos)
       << ended.error;
   const Json result = ended.json();
-  EXPECT_EQ(result["rows"].size(), 2u);
-  ASSERT_EQ(result["failed"].size(), 1u);
-  EXPECT_EQ(result["failed"][0]["epsilon"], 1e-16);
-  EXPECT_NE(result["failed"][0]["error"].get<std::string>().find("larger contact.epsilon"), std::string::npos);
+  // Rounding, which processors differ in, decides of the last but one.
+  ASSERT_GE(result["rows"].size(), 1u);
+  ASSERT_GE(result["failed"].size(), 1u);
+  EXPECT_EQ(result["rows"].size() + result["failed"].size(), 3u);
+  EXPECT_EQ(result["rows"].front()["epsilon"], 1e-14);
+  EXPECT_EQ(result["failed"].back()["epsilon"], 1e-16);
+  EXPECT_NE(result["failed"].back()["error"].get<std::string>().find("larger contact.epsilon"), std::string::npos);
   EXPECT_EQ(Json::parse(read_text(directory_ / "out" / "limit.json")), result);
 }
 
