@@ -398,7 +398,7 @@ def fit(
     data        traces: a mapping of columns as `.ends` of a result, "t" among them, NaN where nothing was measured; or a file
     events      contact times: a mapping with "t", "where" ("left", "right"), "change" ("closing", "opening"); or a file
     bounds      {key: (low, high)}
-    deviations  {column: standard deviation of its noise}, "events" for contact times
+    deviations  {column: standard deviation of its noise, in the column's unit}, "events" for contact times
     starts      begins so many times, spread over the bounds
     runs        of the model at most, for each start
     set         values in place of the scene's, as in viscobar.run()

@@ -38,9 +38,10 @@ Action fit_command(CLI::App& command) {
       ->required();
   add_repeatable(command, "--bounds", "KEY=LOW:HIGH", request.bounds,
                  "Keep a parameter between two values, such as left.gap=0.05:0.2 (repeatable)");
-  add_repeatable(command, "--deviation", "COLUMN=NUMBER", request.deviations,
-                 "Standard deviation of a column's noise, or of contact times, such as u_left=1e-3 or events=1e-4 "
-                 "(repeatable; default: 1 % of the column's largest value, of the last contact time)");
+  add_repeatable(
+      command, "--deviation", "COLUMN=NUMBER", request.deviations,
+      "Standard deviation of a column's noise, or of contact times, such as u_left=1e-3 or events=1e-4, in the "
+      "unit of the file (repeatable; default: 1 % of the column's largest value, of the last contact time)");
   within(add(command, "--starts", "N", request.starts, "Begin so many times, spread over the bounds"), 1, 10000)
       ->capture_default_str();
   within(add(command, "--runs", "N", request.most_runs, "Runs of the model at most, for each start"), 1, 1000000)

@@ -175,6 +175,8 @@ bool sort_rows(TraceFile& table) {
       if (!before.cells.empty()) column.cells[k] = before.cells[order[k]];
     }
   }
+  const std::vector<std::size_t> lines = table.lines;
+  std::ranges::transform(order, table.lines.begin(), [&](std::size_t k) { return lines[k]; });
   return true;
 }
 
@@ -316,7 +318,7 @@ class TraceReader {
     if (cells.size() != places_.size())
       return report(1, "", fmt::format("has {} values for {} columns", cells.size(), places_.size()));
     ++table_.rows;
-    rows_.push_back(number_);
+    table_.lines.push_back(number_ + 1);
     for (std::size_t k = 0; k < cells.size(); ++k)
       if (places_[k] != none) take(k, cells[k], table_.columns[places_[k]]);
   }
@@ -347,12 +349,12 @@ class TraceReader {
     const std::vector<double>& t = table_.column("t")->values;
     for (std::size_t k = 0; k < t.size() && found_.empty(); ++k)
       if (of_series() ? std::isnan(t[k]) : !(t[k] >= 0.0)) {
-        number_ = rows_[k];
+        number_ = table_.lines[k] - 1;
         report(1, "t", std::isnan(t[k]) ? "is missing" : fmt::format("must be a time, not negative, is {}", t[k]));
       }
     for (std::size_t k = 1; k < t.size() && of_series(); ++k)
       if (t[k] < t[k - 1]) {
-        number_ = rows_[k];
+        number_ = table_.lines[k] - 1;
         report(1, places_name_, fmt::format("must not decrease: {} comes after {}", t[k], t[k - 1]));
       }
     if (!found_.empty()) return;
@@ -402,7 +404,6 @@ class TraceReader {
   TraceFile table_;
   std::vector<Diagnostic> found_;
   std::vector<std::size_t> places_;  // of each column of the file, its place in the table
-  std::vector<std::size_t> rows_;    // the line of each
   std::size_t number_ = 0, lines_ = 0, comments_ = 0, missing_ = 0, left_out_ = 0;
   char separator_ = ',';
   bool commas_ = false, points_ = false, units_ = false;

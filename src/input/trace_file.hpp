@@ -22,9 +22,11 @@ struct TraceFile {
     std::string unit;                ///< as written; empty: none
     std::vector<std::string> cells;  ///< of a column of words: as written, blanks and quotes around them left out
     std::vector<double> values;      ///< NaN where there is none; of a column of words all NaN
+    double factor = 1.0;             ///< that the values as written were multiplied by
   };
   std::vector<Column> columns;        ///< of known names
   std::size_t rows = 0;               ///< of data
+  std::vector<std::size_t> lines;     ///< of the file, the first is 1: that of each row
   std::string understood;             ///< how the file was read, in a line
   std::vector<std::string> warnings;  ///< values that were left out as codes, in sentences
 

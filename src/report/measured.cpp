@@ -63,6 +63,7 @@ void convert(TraceFile& table, TraceFile::Column& column, const std::string& uni
   if (!ratio)
     throw std::invalid_argument(fmt::format("{}: {} is in {}, and the scene's unit of it is {}: convert one of them",
                                             file, column.name, column.unit, unit));
+  column.factor = *ratio;
   for (double& value : column.values) value *= *ratio;
   if (*ratio != 1.0) table.understood += fmt::format("; {} converted to {}", column.name, unit);
 }
@@ -100,18 +101,21 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
   for (TraceFile::Column& column : table.columns)
     if (const auto trace = trace_column(column.name))
       convert(table, column, unit_name(scene.run.scene.units, unit_of(trace->first)), file);
-  constexpr double far = 100.0;
+  // Data may be a part of the run, or a record that goes on behind it; units differ by sixty times or more.
+  constexpr double most = 5.0, least = 0.01;
   const double last = t.values.back(), end = scene.run.end;
   if (last == 0.0 && !table.column("where")) throw std::invalid_argument(file + ": has no time after 0");
+  const bool late = last > most * end;
   // The last contact may be early.
-  if (last > far * end || (last > 0.0 && far * last < end && !table.column("where")))
+  if (late || (last > 0.0 && last < least * end && !table.column("where")))
     throw std::invalid_argument(fmt::format(
-        "{}: the last time is {:.6g}, and the scene ends at {:.6g}: are they in different units{}? If they are "
-        "not, say --set time.end={:.6g}",
-        file, last, end,
-        t.unit.empty() || !scene.run.scene.units.time.empty()
-            ? ", such as milliseconds and seconds"
-            : fmt::format(" (the file says {}, and the scene has no units.time)", t.unit),
+        "{}:{}: the last time is {:.6g}, and the scene ends at {:.6g}: is it in another unit{}? If it is not, say "
+        "--set time.end={:.6g}",
+        file, table.lines.back(), last, end,
+        !t.unit.empty() && scene.run.scene.units.time.empty()
+            ? fmt::format(" (the file says {}, and the scene has no units.time)", t.unit)
+            : fmt::format(", such as {} ({:.6g})", late ? "milliseconds for seconds" : "seconds for milliseconds",
+                          late ? 1e-3 * last : 1e3 * last),
         last));
   return table;
 }

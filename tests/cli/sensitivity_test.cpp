@@ -189,9 +189,12 @@ TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
   refused("t,u_left\n0,1\n1\n", "has 1 values for 2 columns");
   refused("t,u_left\n0.1,\n0.2,\n", "u_left has no value");
   refused("t,u_left,v_left\n0.1,1,NA\n0.2,2,\n", "v_left has no value");
-  refused("t,u_left\n0,0\n1500,0.1\n3000,0.2\n", "such as milliseconds");
-  refused("t,u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set time.end=3000");
-  refused("t [ms],u_left\n0,0\n1,0.1\n3,0.2\n", "such as milliseconds", "--set units.time=s");
+  refused("t,u_left\n0,0\n3000,0.2\n1500,0.1\n",
+          "data.csv:3: the last time is 3000, and the scene ends at 3: is it in another unit, such as milliseconds for "
+          "seconds (3)? If it is not, say --set time.end=3000");
+  refused("t,u_left\n0,0\n15,0.1\n30,0.2\n", "such as milliseconds for seconds (0.03)");
+  refused("t,u_left\n0,0\n1,0.1\n3,0.2\n", "such as seconds for milliseconds (3000)", "--set time.end=3000");
+  refused("t [ms],u_left\n0,0\n1,0.1\n3,0.2\n", "such as seconds for milliseconds (3)", "--set units.time=s");
   refused("t,u_left [V]\n0,0\n1,0.1\n", "u_left is in V, and the scene's unit of it is mm", "--set units.length=mm");
   refused("t,u_left\n", "holds no data");
   refused("t\n0\n", "has no column of values");
@@ -202,6 +205,11 @@ TEST_F(Sensitivity, OfAFitSaysWhatIsWrongWithItsData) {
 
 TEST_F(Sensitivity, OfAFitRefusesContactTimesWhereNothingCanTouch) {
   std::ofstream(directory_ / "bar.toml") << scene_text;
+  std::ofstream(directory_ / "events.csv") << "t,where,change\n300,left,opening\n0.1,left,closing\n";
+  const auto late = viscobar("fit bar.toml --events events.csv --parameters left.gap");
+  EXPECT_EQ(late.code, 2);
+  EXPECT_NE(late.error.find("events.csv:2: the last time is 300, and the scene ends at 3"), std::string::npos)
+      << late.error;
   for (const std::string where :
        {"right", "span:3", "span:-1", "span:", "span:x", "span:99999999999999999999", "top"}) {
     std::ofstream(directory_ / "events.csv") << "t,where,change\n0.5," << where << ",closing\n";
@@ -214,6 +222,19 @@ TEST_F(Sensitivity, OfAFitRefusesContactTimesWhereNothingCanTouch) {
                      "--set span.gap=0.1")
                 .code,
             2);
+}
+
+// A micrometre, where the scene counts in metres.
+TEST_F(Sensitivity, OfAFitCountsDeviationsInTheUnitsOfTheirFile) {
+  std::ofstream(directory_ / "bar.toml") << scene_text;
+  std::ofstream(directory_ / "data.csv") << "t [s],u_left [mm]\n0,0\n0.05,-50\n0.1,-100\n0.15,-101\n0.2,-100\n";
+  std::ofstream(directory_ / "events.csv") << "t [ms],where,change\n100,left,closing\n";
+  const auto fit = viscobar(
+      "fit bar.toml --data data.csv --events events.csv --parameters left.gap --deviation u_left=1e-3 "
+      "--deviation events=0.2 --set units.time=s --set units.length=m -o fitted --json");
+  const auto residuals = fit.json()["residuals"];
+  EXPECT_NEAR(residuals["u_left"]["deviation"], 1e-6, 1e-18);
+  EXPECT_NEAR(residuals["events"]["deviation"], 2e-4, 1e-16);
 }
 
 TEST_F(Sensitivity, OfAFitSaysHowItReadItsDataAndFindsCodesOfMissingValues) {

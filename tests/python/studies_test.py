@@ -199,7 +199,7 @@ class StudiesTest(Test):
         for told in (found.summary["data"][0], found.summary["warnings"][0]):
             self.assertTrue(told.startswith("data.csv: "), told)
         self.assertNotIn(tempfile.gettempdir(), found.page)
-        with self.assertRaisesRegex(ValueError, r"^data\.csv: the last time is"):
+        with self.assertRaisesRegex(ValueError, r"^data\.csv:\d+: the last time is"):
             viscobar.fit(thrown(), ["left.gap"], data={"t": 1e3 * t, "u_left": u})
         with self.assertRaisesRegex(viscobar.SceneError, r"^data\.csv:1:2: u_lefft: unknown column"):
             viscobar.fit(thrown(), ["left.gap"], data={"t": t, "u_lefft": u})

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -75,7 +76,10 @@ void add_warnings(FitStudy& study, const TraceFile& table) {
   study.warnings.insert(study.warnings.end(), table.warnings.begin(), table.warnings.end());
 }
 
-void read_data(FitStudy& study, const SceneFile& scene, const std::string& file) {
+// Numbers of a column, in those of the scene: by its name, "events" for contact times.
+using Factors = std::map<std::string, double>;
+
+void read_data(FitStudy& study, const SceneFile& scene, const std::string& file, Factors& factors) {
   const TraceFile table = read_measured(scene, file, names_of_traces(), {"t"});
   add_warnings(study, table);
   study.times = table.column("t")->values;
@@ -87,16 +91,18 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file)
     if (std::ranges::none_of(found.values, [](double value) { return std::isfinite(value); }))
       throw std::invalid_argument(fmt::format("{}: {} has no value: leave the column out", file, found.name));
     study.traces.push_back({column->first, found.values, 1.0, false, column->second});
+    factors[name(column->first, column->second)] = found.factor;
   }
   std::ranges::stable_sort(study.traces, {}, &MeasuredTrace::column);
   study.understood.push_back(table.understood);
 }
 
-void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file) {
+void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file, Factors& factors) {
   const TraceFile table =
       read_measured(scene, file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
   add_warnings(study, table);
   study.changes = changes_in(table, file);
+  factors["events"] = table.column("t")->factor;
   study.understood.push_back(table.understood);
 }
 
@@ -117,8 +123,9 @@ PreparedFit prepared_fit(const FitRequest& request,
   PreparedFit prepared{read({}), {}};
   const SceneFile& scene = prepared.scene;
   FitStudy& study = prepared.study;
-  if (!request.data.empty()) read_data(study, scene, request.data);
-  if (!request.events.empty()) read_changes(study, scene, request.events);
+  Factors factors;
+  if (!request.data.empty()) read_data(study, scene, request.data, factors);
+  if (!request.events.empty()) read_changes(study, scene, request.events, factors);
   // Derivatives by the length are those of what moves with the nodes, and a gauge stays at its x.
   const auto is_length = [](const std::string& key) { return key.starts_with("bar.") && key.ends_with(".length"); };
   study.differences = !method_row(scene.run.method).differentiates ||
@@ -157,20 +164,17 @@ PreparedFit prepared_fit(const FitRequest& request,
     if (!(parameter.low < parameter.high)) throw std::invalid_argument(fmt::format("--bounds: {} is empty", text));
     parameter.start = std::clamp(parameter.start, parameter.low, parameter.high);
   }
-  std::vector<std::string> columns;
   for (MeasuredTrace& trace : study.traces) {
-    columns.push_back(name(trace.column, trace.place));
     const double most = largest(trace.values);
     trace.deviation = most > 0.0 ? 0.01 * most : 1.0;
     trace.assumed = true;
   }
-  if (!study.changes.empty()) {
-    columns.emplace_back("events");
-    study.change_deviation = 0.01 * study.changes.back().time;
-  }
+  if (!study.changes.empty()) study.change_deviation = 0.01 * study.changes.back().time;
+  std::vector<std::string> columns;
+  for (const auto& [column, factor] : factors) columns.push_back(column);
   for (const std::string& text : request.deviations) {
     const auto [column, value] = assignment(text, "--deviation", columns);
-    const double deviation = number(value, "--deviation");
+    const double deviation = number(value, "--deviation") * factors.at(column);
     if (!(deviation > 0.0)) throw std::invalid_argument(fmt::format("--deviation: {} is not positive", text));
     if (column == "events") study.change_deviation = deviation;
     for (MeasuredTrace& trace : study.traces)
