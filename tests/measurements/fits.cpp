@@ -3,7 +3,7 @@
 //     cmake --build --preset release --target measure_fits
 //     build/release/tests/measure_fits [FITS [SEED [FIRST [STARTS]]]]
 //     build/release/tests/measure_fits FITS SEED FIRST reactions      # or velocities, forces: by eight times the
-//     elements
+//     elements build/release/tests/measure_fits FITS SEED FIRST few            # samples or contact times
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   const Data data = kind == "reactions"    ? Data::reactions
                     : kind == "velocities" ? Data::velocities
                     : kind == "forces"     ? Data::forces
+                    : kind == "few"        ? Data::few
                                            : Data::any;
   // An estimate farther than this from the truth is wrong: noise does so in 1 of 16,000.
   constexpr double far = 4.0;

@@ -11,6 +11,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "campaign/draw.hpp"
+#include "studies/fit/judgement.hpp"
 #include "studies/fit/search.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
@@ -143,14 +144,15 @@ struct Residuals {
   }
 };
 
-// The traces of a run on eight times the elements, with noise. Their columns are in the study.
-void take_from_finer(RandomFit& one, Draw& draw) {
+// The data of a run on so many times the elements, with noise: the columns of the study, or as many contact changes.
+void take_from_finer(RandomFit& one, Draw& draw, std::size_t factor = 8, std::size_t changes = 0) {
   FitStudy& study = one.study;
   for (MeasuredTrace& trace : study.traces) trace.values.assign(study.times.size(), 0.0);
   Case run = study.model(one.truth);
-  run.elements *= 8;
+  run.elements *= factor;
   run.directions.clear();
-  const auto made = fitting::measure(study, run, fitting::Compared::exact, false, 10'000'000).traces;
+  const fitting::Misfit finer = fitting::measure(study, run, fitting::Compared::exact, false, 10'000'000);
+  const auto& made = finer.traces;
   for (std::size_t i = 0; i < made.size(); ++i) {
     double largest = 0.0;
     for (const double value : made[i]) largest = std::max(largest, std::abs(value));
@@ -158,12 +160,54 @@ void take_from_finer(RandomFit& one, Draw& draw) {
     for (std::size_t k = 0; k < made[i].size(); ++k)
       study.traces[i].values[k] = made[i][k] + one.noise * largest * draw.normal();
   }
+  if (changes == 0 || finer.changes.empty()) return;
+  study.traces.clear(), study.times.clear();
+  study.changes.assign(finer.changes.begin(), finer.changes.begin() + std::min(changes, finer.changes.size()));
+  study.change_deviation = 0.01 * study.changes.back().time;
+  for (Event& change : study.changes)
+    change.time = std::max(0.0, change.time + 30.0 * one.noise * study.change_deviation * draw.normal());
+  std::ranges::stable_sort(study.changes, {}, &Event::time);
 }
 
-std::vector<double> times_to(double end) {
+std::vector<double> times_to(double end, std::size_t count = 150) {
   std::vector<double> times;
-  for (std::size_t k = 0; k <= 150; ++k) times.push_back(end * static_cast<double>(k) / 150.0);
+  for (std::size_t k = 0; k <= count; ++k) times.push_back(end * static_cast<double>(k) / static_cast<double>(count));
   return times;
+}
+
+using Named = std::pair<std::string, double>;
+
+// Looks for one or two of these values of a scene, that of `otherwise` if for no other, and holds the rest.
+void choose(RandomFit& made, Draw& draw, const std::string& scene, std::vector<Named> values, std::size_t otherwise) {
+  std::vector<Named> fitted;
+  std::vector<std::string> held;
+  for (const Named& one : values)
+    if (draw.chance(0.4) && fitted.size() < 2)
+      fitted.push_back(one);
+    else
+      held.push_back(fmt::format("{}={}", one.first, one.second));
+  if (fitted.empty()) fitted.push_back(values[otherwise]), held.erase(held.begin() + std::ptrdiff_t(otherwise));
+  std::vector<std::string> sought;
+  for (const auto& [key, value] : fitted) {
+    sought.push_back(key);
+    made.truth.push_back(value);
+    const double low = key.ends_with("modulus") ? 1e-300 : 0.0;
+    made.study.parameters.push_back({key, 0.0, low, key.ends_with("restitution") ? 1.0 : INFINITY});
+  }
+  made.study.model = [=](std::span<const double> given) {
+    std::vector<std::string> settings = held;
+    for (std::size_t k = 0; k < sought.size(); ++k) settings.push_back(fmt::format("{}={}", sought[k], given[k]));
+    settings.push_back(fmt::format("sensitivity.of=[\"{}\"]", fmt::join(sought, "\",\"")));
+    return parse_scene(scene, "", settings).run;
+  };
+}
+
+void begin_within_ten(RandomFit& made, Draw& draw) {
+  for (std::size_t k = 0; k < made.truth.size(); ++k) {
+    FittedParameter& one = made.study.parameters[k];
+    one.start = std::min(made.truth[k] * draw.decades(0.1, 10.0), one.high);
+    made.words += fmt::format(", {} {:.4g} from {:.4g}", one.key, made.truth[k], one.start);
+  }
 }
 
 // Two bars that meet, by the force of their joint.
@@ -173,41 +217,58 @@ RandomFit random_chain(Draw draw) {
   const std::size_t elements = draw.one_of({24, 40, 60});
   const auto [length, density, far_speed] =
       std::tuple(draw.between(0.5, 1.5), draw.decades(0.5, 2.0), draw.chance(0.5) ? draw.between(-0.5, 0.0) : 0.0);
-  const std::pair<const char*, double> values[] = {{"bar.1.viscosity", draw.decades(0.02, 0.5)},
-                                                   {"bar.2.modulus", draw.decades(0.3, 3.0)},
-                                                   {"joint.1.gap", draw.between(0.02, 0.3)},
-                                                   {"bar.2.viscosity", draw.decades(0.02, 0.5)}};
+  const std::vector<Named> values = {{"bar.1.viscosity", draw.decades(0.02, 0.5)},
+                                     {"bar.2.modulus", draw.decades(0.3, 3.0)},
+                                     {"joint.1.gap", draw.between(0.02, 0.3)},
+                                     {"bar.2.viscosity", draw.decades(0.02, 0.5)}};
   std::string scene = fmt::format(
       "[[bar]]\nlength = 1.0\nvelocity = 1.0\n[[bar]]\nlength = {}\ndensity = {}\nvelocity = {}\n[[joint]]\nkind = "
       "\"contact\"\n[mesh]\nelements = {}\n[method]\nname = \"rigid\"\n[time]\nend = {}\n",
       length, density, far_speed, elements, end);
-  std::vector<std::string> held, fitted;
-  for (const auto& [key, value] : values) {
-    if (!draw.chance(0.4) || fitted.size() == 2) {
-      held.push_back(fmt::format("{}={}", key, value));
-      continue;
-    }
-    fitted.emplace_back(key);
-    made.truth.push_back(value);
-  }
-  if (fitted.empty())
-    fitted.emplace_back(values[1].first), held.erase(held.begin() + 1), made.truth.push_back(values[1].second);
-  made.study.model = [=](std::span<const double> given) {
-    std::vector<std::string> settings = held;
-    for (std::size_t k = 0; k < fitted.size(); ++k) settings.push_back(fmt::format("{}={}", fitted[k], given[k]));
-    settings.push_back(fmt::format("sensitivity.of=[\"{}\"]", fmt::join(fitted, "\",\"")));
-    return parse_scene(scene, "", settings).run;
-  };
+  choose(made, draw, scene, values, 1);
   made.study.times = times_to(end);
   made.study.traces.push_back({TraceColumn::force_of, {}, 1.0, true, 1.0});
   made.noise = draw.chance(0.5) ? 0.01 : 0.0;
   made.words = fmt::format("{} elements, end {:.3g}, noise {}, force:1", elements, end, made.noise);
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    made.study.parameters.push_back(
-        {fitted[k], made.truth[k] * draw.decades(0.1, 10.0), fitted[k].ends_with("modulus") ? 1e-300 : 0.0});
-    made.words += fmt::format(", {} {:.4g} from {:.4g}", fitted[k], made.truth[k], made.study.parameters[k].start);
-  }
+  begin_within_ten(made, draw);
   take_from_finer(made, draw);
+  return made;
+}
+
+// A few data of a bar that is thrown at an obstacle, or of one that bounces on it with a mass at its end.
+RandomFit random_few(Draw draw) {
+  RandomFit made;
+  const bool bounces = draw.chance(0.5);
+  const double end = draw.between(1.5, 5.0);
+  const std::size_t elements = draw.one_of({10, 20, 30}), samples = draw.one_of({12, 16, 20, 24, 36, 60});
+  std::string scene = fmt::format(
+      "[bar]\nlength = 1.0\n[left]\nkind = \"obstacle\"\n[mesh]\nelements = {}\n[method]\nname = \"rigid\"\n"
+      "[time]\nend = {}\n",
+      elements, end);
+  std::vector<Named> values = {{"bar.viscosity", draw.decades(0.02, 0.5)},
+                               {"bar.modulus", draw.decades(0.3, 3.0)},
+                               {"left.gap", draw.between(0.02, 0.5)}};
+  if (bounces) {
+    scene += fmt::format("[load]\ndensity = {}\n", -draw.between(0.5, 3.0));
+    values.emplace_back("left.mass", draw.decades(0.3, 3.0));
+    values.emplace_back("contact.restitution", draw.between(0.1, 0.8));
+  } else {
+    scene += fmt::format("[initial]\nvelocity = \"-{}*(1+{}*x)\"\n", draw.decades(0.3, 3.0),
+                         draw.chance(0.3) ? 0.0 : draw.between(0.0, 0.5));
+  }
+  choose(made, draw, scene, values, 2);
+  const bool is_events = draw.chance(0.2);
+  const auto column = draw.one_of({TraceColumn::v_left, TraceColumn::v_right, TraceColumn::reaction_left});
+  const std::size_t changes = is_events ? draw.one_of({1, 2, 3, 4, 6}) : 0, factor = draw.one_of({1, 4});
+  made.study.times = times_to(end, samples);
+  made.study.traces.push_back({column, {}, 1.0, true});
+  made.noise = draw.chance(0.5) ? 0.01 : 0.0;
+  made.words =
+      fmt::format("{} elements, end {:.3g}, noise {}, {} of {} times the elements{}", elements, end, made.noise,
+                  is_events ? fmt::format("{} changes", changes) : fmt::format("{} {}", samples, name(column)), factor,
+                  bounces ? ", bouncing" : "");
+  begin_within_ten(made, draw);
+  take_from_finer(made, draw, factor, changes);
   return made;
 }
 
@@ -216,6 +277,7 @@ RandomFit random_chain(Draw draw) {
 RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data) {
   Draw draw(seed, index);
   if (data == Data::forces) return random_chain(draw);
+  if (data == Data::few) return random_few(draw);
   Values truth{draw.decades(0.02, 0.5), draw.decades(0.3, 3.0), draw.between(0.02, 0.5), draw.decades(0.3, 3.0)};
   const double kind = draw.between(0.0, 1.0), bend = draw.between(0.0, 0.5), end = draw.between(1.5, 5.0);
   const double force = draw.chance(0.3) ? draw.between(-0.5, 0.5) : 0.0,
@@ -320,7 +382,13 @@ Judged against_truth(const RandomFit& one, const FitResult& found, double floor)
     const auto& [key, estimate, deviation, bound] = found.parameters[k];
     judged.told += fmt::format("{:.7g} +- {:.2g}, ", estimate, deviation);
     if (std::isnan(deviation)) continue;
-    judged.off = std::max(judged.off, std::abs(estimate - one.truth[k]) / std::max(deviation, floor * one.truth[k]));
+    // Four deviations of few data are as improbable as Student says; the model's own error has its size anyway.
+    constexpr double four = 6.33e-5;
+    const double error = found.model_errors[k],
+                 noise = std::sqrt(std::max(deviation * deviation - error * error, 0.0)) *
+                         fitting::students_bound(1.0 - four, found.freedom) / 4.0;
+    judged.off = std::max(judged.off,
+                          std::abs(estimate - one.truth[k]) / std::max(std::hypot(noise, error), floor * one.truth[k]));
   }
   judged.found = true;
   judged.converged = found.converged;

@@ -20,8 +20,10 @@ struct RandomFit {
   std::string words;   ///< description of the fit
 };
 /// Columns and their origin: any of the ends, by the model itself; or one that jumps, by eight times the elements of a
-/// model of 12 to 60: forces are those of a joint between two bars.
-enum class Data { any, reactions, velocities, forces };
+/// model of 12 to 60: forces are those of a joint between two bars. `few` are 12 to 60 samples of one that jumps, or
+/// one to six contact times, by the model itself or four times its elements, of a bar that is thrown or bounces with a
+/// mass.
+enum class Data { any, reactions, velocities, forces, few };
 RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data = Data::any);
 
 struct Judged {

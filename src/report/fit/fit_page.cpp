@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "report/measured.hpp"
 #include "report/number_text.hpp"
 #include "report/page.hpp"
+#include "studies/fit/judgement.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"
@@ -63,14 +63,7 @@ std::vector<std::string> remarks(const FitStudy& study, const FitResult& result)
   return found;
 }
 
-// Within so many standard deviations of an estimate is the value with a probability of 95 %.
-double deviations_of_95(const FitResult& result) {
-  if (result.freedom == 0) return 1.96;
-  // Without promotion to long double, whose constants are made before main and end the program under valgrind.
-  using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  using StudentsT = boost::math::students_t_distribution<double, InDouble>;
-  return boost::math::quantile(StudentsT(static_cast<double>(result.freedom)), 0.975);
-}
+double deviations_of_95(const FitResult& result) { return fitting::students_bound(0.95, result.freedom); }
 
 std::string verdict(const FitResult& result) {
   const std::string freedom =

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
@@ -34,12 +35,16 @@ bool is_systematic(const Eigen::VectorXd& residual, Eigen::Index parameters) {
          sizes[static_cast<std::size_t>(m / 2)] < 0.3 * std::sqrt(sum / size);
 }
 
-// The bound, in deviations, that the largest of so many numbers of noise exceeds once in a thousand times.
-double largest_of_noise(double count) {
-  // In long double it would start with numbers that valgrind's 64 bits cannot hold.
-  const boost::math::policies::policy<boost::math::policies::promote_double<false>> in_double;
-  return std::sqrt(2.0) * boost::math::erfc_inv(std::min(1e-3 / count, 1.0), in_double);
+// Without promotion to long double, whose constants are made before main and end the program under valgrind.
+using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+
+// The bound, in deviations, that noise exceeds with this probability.
+double noise_beyond(double probability) {
+  return std::sqrt(2.0) * boost::math::erfc_inv(std::min(probability, 1.0), InDouble());
 }
+
+// The bound, in deviations, that the largest of so many numbers of noise exceeds once in a thousand times.
+double largest_of_noise(double count) { return noise_beyond(1e-3 / count); }
 
 // True if the model stays on one side of a trace for a stretch as noise does once in a thousand fits: the mean of L
 // samples of noise has the deviation L^(-1/2). Stretches of 2, 4, ... samples, half over each other, are two for each
@@ -267,6 +272,12 @@ std::optional<double> plateau(Search& search, const FitStudy& study, const Minim
 }
 
 }  // namespace
+
+double students_bound(double probability, std::size_t freedom) {
+  if (freedom == 0) return noise_beyond(1.0 - probability);
+  using StudentsT = boost::math::students_t_distribution<double, InDouble>;
+  return boost::math::quantile(StudentsT(static_cast<double>(freedom)), 0.5 + 0.5 * probability);
+}
 
 double residual_of(const Misfit& misfit, Eigen::Index parameters) {
   return std::sqrt(misfit.sum() / static_cast<double>(std::max<Eigen::Index>(misfit.residual.size() - parameters, 1)));

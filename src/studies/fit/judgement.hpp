@@ -19,6 +19,10 @@ bool is_explained(const FitStudy& study, const Misfit& misfit);
 /// True if so is that of the samples as they are, and none of them stands out of this noise.
 bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise);
 
+/// Within so many standard deviations is a value with this probability: by Student's t, or the normal distribution
+/// where the freedom is 0.
+double students_bound(double probability, std::size_t freedom);
+
 /// Estimates, deviations and covariance of a minimum. Returns values that meet the data better, if it has come upon
 /// some.
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result);
