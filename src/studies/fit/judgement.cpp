@@ -280,7 +280,7 @@ double students_bound(double probability, std::size_t freedom) {
 }
 
 double residual_of(const Misfit& misfit, Eigen::Index parameters) {
-  return std::sqrt(misfit.sum() / static_cast<double>(std::max<Eigen::Index>(misfit.residual.size() - parameters, 1)));
+  return std::sqrt(misfit.sum() / static_cast<double>(std::max<Eigen::Index>(misfit.freedom(parameters), 1)));
 }
 
 bool is_explained(const FitStudy& study, const Misfit& misfit) {
@@ -303,7 +303,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   const double variance = std::max(misfit.variance(n), rounding * rounding);
   result.residual = residual_of(misfit, n);
   result.measured = static_cast<std::size_t>(misfit.residual.size());
-  result.freedom = static_cast<std::size_t>(std::max<Eigen::Index>(misfit.residual.size() - n, 0));
+  result.freedom = static_cast<std::size_t>(misfit.freedom(n));
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto size = static_cast<std::size_t>(n);
   result.covariance.assign(size * size, none);

@@ -51,7 +51,7 @@ Traced closeness(const std::vector<double>& t, std::size_t k, std::span<const Ev
 // value of the model from the sample before to the one behind, of less than that the farther off the change is, for S
 // is to be continuous.
 void compare_samples(const MeasuredTrace& trace, const std::vector<double>& t, const std::vector<Traced>& model,
-                     std::span<const Event> changes, std::vector<Traced>& rows) {
+                     std::span<const Event> changes, Misfit& misfit, std::vector<Traced>& rows) {
   for (std::size_t k = 0; k < t.size(); ++k) {
     const double datum = trace.values[k];
     if (std::isnan(datum)) continue;
@@ -60,7 +60,9 @@ void compare_samples(const MeasuredTrace& trace, const std::vector<double>& t, c
       const auto towards = [&](std::size_t other) { return Traced(row + product(close, model[other] - row)); };
       const Traced about[] = {row, towards(k > 0 ? k - 1 : 0), towards(std::min(k + 1, t.size() - 1))};
       const auto [low, high] = std::ranges::minmax_element(about, {}, number);
-      row = datum < number(*low) ? *low : datum > number(*high) ? *high : Traced::Unit(row.size(), 0) * datum;
+      const bool met = number(*low) <= datum && datum <= number(*high);
+      row = met ? Traced(Traced::Unit(row.size(), 0) * datum) : datum < number(*low) ? *low : *high;
+      misfit.forgiven += met;
     }
     row(0) -= datum;
     rows.push_back(row / trace.deviation);
@@ -176,7 +178,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     std::ranges::transform(model[i], std::back_inserter(misfit.traces.back()), number);
     if (smooth || compared != Compared::integrals)
       compare_samples(trace, study.times, model[i],
-                      smooth || compared == Compared::exact ? std::span<const Event>() : misfit.changes, rows);
+                      smooth || compared == Compared::exact ? std::span<const Event>() : misfit.changes, misfit, rows);
     else if (is_velocity(trace.column))
       compare_integrals(trace, study.times, model[i], rows);
     else

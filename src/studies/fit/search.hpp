@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -21,12 +22,16 @@ struct Misfit {
   std::vector<Event> changes;               ///< contact changes of the model
   std::optional<double> lost;               ///< from when on there are no derivatives
   std::size_t steps = 0;                    ///< of the run
+  Eigen::Index forgiven = 0;                ///< samples beside contact changes that count as met: they tell no noise
 
   double sum() const { return sound ? residual.squaredNorm() : std::numeric_limits<double>::infinity(); }  ///< S
+  /// m - n, of m numbers that are compared; not below 0.
+  Eigen::Index freedom(Eigen::Index parameters) const {
+    return std::max<Eigen::Index>(residual.size() - forgiven - parameters, 0);
+  }
   /// S / (m - n); of deviations that are as given, 1, where there are no more numbers than parameters.
   double variance(Eigen::Index parameters) const {
-    const Eigen::Index freedom = residual.size() - parameters;
-    return freedom > 0 ? sum() / static_cast<double>(freedom) : 1.0;
+    return freedom(parameters) > 0 ? sum() / static_cast<double>(freedom(parameters)) : 1.0;
   }
 };
 
