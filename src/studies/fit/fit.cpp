@@ -162,16 +162,17 @@ std::vector<Eigen::VectorXd> across_samples(const Search& search, const FitStudy
   return all;
 }
 
-// Values near the best that meet the samples as they are. At the best ones a contact change may be on the wrong side of
-// a sample, which is hidden by what samples beside changes are compared with.
+// Values at or near the best that meet the samples as they are, but for what the model itself is wrong by in its contact
+// times. At the best ones a contact change may be on the wrong side of a sample, which is hidden by what samples beside
+// changes are compared with.
 std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, const Minimum& best) {
   const double noise = residual_of(best.misfit, best.at.size());
+  search.errors = time_errors(study, best);
   const auto from = [&](const Eigen::VectorXd& at) -> std::optional<Minimum> {
     Minimum found = search.minimum_from(at, Compared::exact, study.most_runs);
     return is_met_exactly(study, found.misfit, noise) ? std::optional(found) : std::nullopt;
   };
-  if (is_met_exactly(study, search.at(best.at, Compared::exact, false), noise))
-    return best.converged ? std::nullopt : from(best.at);
+  if (is_met_exactly(study, search.at(best.at, Compared::exact, false), noise)) return from(best.at);
   const auto from_best_of = [&](const std::vector<Eigen::VectorXd>& all) -> std::optional<Minimum> {
     std::vector<std::pair<double, Eigen::VectorXd>> tried;
     for (const Eigen::VectorXd& at : all) tried.emplace_back(search.at(at, Compared::exact, false).sum(), at);

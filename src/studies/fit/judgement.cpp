@@ -7,6 +7,7 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -105,11 +106,10 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
         !found.empty())
       throw std::runtime_error(found.front().problem);
     Search further(of_finer, 1000 + 200 * best.misfit.steps);
-    // A finer run has contact changes on the other side of a sample, which is no error of so much.
-    const Misfit fine = further.at(best.at, Compared::samples, false);
+    further.errors = search.errors;
+    const Misfit fine = further.at(best.at, best.compared, false);
     if (!fine.sound) throw std::runtime_error(fine.error);
-    const Misfit coarse = best.compared == Compared::exact ? search.at(best.at, Compared::samples, false) : best.misfit;
-    error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
+    error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();
     if (search.jumps() || is_large(study, best.misfit)) {
       // Samples as they are lead over the flat floors of those beside changes, unless one is on the wrong side.
       const auto search_by = [&](Compared compared) {
@@ -128,7 +128,7 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
         for (const double sign : {-1.0, 1.0}) {
           Eigen::VectorXd values = best.at;
           values(free[a]) = search.limited(free[a], best.at(free[a]), best.at(free[a]) + sign * way);
-          const double sum = further.at(values, Compared::samples, false).sum();
+          const double sum = further.at(values, best.compared, false).sum();
           if (!(sum < least)) continue;
           least = sum, error.searched(a) = std::max(error.searched(a), 2.0 * way / scale(free[a]));
         }
@@ -293,6 +293,28 @@ bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
   return is_explained(study, exact) &&
          exact.residual.cwiseAbs().maxCoeff() <=
              largest_of_noise(static_cast<double>(exact.residual.size())) * std::max(noise, small_residual);
+}
+
+TimeErrors time_errors(const FitStudy& study, const Minimum& at) {
+  TimeErrors errors;
+  try {
+    const Case run = study.model({at.at.data(), static_cast<std::size_t>(at.at.size())});
+    const double step = is_scheme(run.method) ? resolve(run).step : 0.0;
+    for (const Event& change : at.misfit.changes) errors[kind_of(change)].push_back(change.time);
+    std::map<Kind, std::size_t> seen;
+    for (const Event& change :
+         measure(study, finer(run), Compared::samples, false, 1000 + 200 * at.misfit.steps).changes)
+      if (std::vector<double>& all = errors[kind_of(change)]; seen[kind_of(change)] < all.size()) {
+        double& time = all[seen[kind_of(change)]++];
+        time = step + 2.0 * std::abs(time - change.time);
+      }
+    for (auto& [kind, all] : errors) all.resize(seen[kind]);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    errors.clear();
+  }
+  return errors;
 }
 
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {

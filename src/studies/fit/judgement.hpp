@@ -23,6 +23,10 @@ bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise);
 /// where the freedom is 0.
 double students_bound(double probability, std::size_t freedom);
 
+/// Twice what a finer run changes the times of contact changes by, and a scheme's step. Empty where there is no such
+/// run.
+TimeErrors time_errors(const FitStudy& study, const Minimum& at);
+
 /// Estimates, deviations and covariance of a minimum. Returns values that meet the data better, if it has come upon
 /// some.
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result);

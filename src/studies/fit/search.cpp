@@ -8,7 +8,6 @@
 #include <new>
 #include <span>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include "discretisation/dense.hpp"
@@ -19,11 +18,6 @@ namespace viscobar::fitting {
 
 namespace {
 
-using Kind = std::tuple<Where, std::size_t, Change>;
-Kind kind(const Event& event) {
-  return {event.where, event.where == Where::span || event.where == Where::joint ? event.node : 0, event.change};
-}
-
 // A number and, behind it, its derivatives by the parameters.
 using Traced = Eigen::VectorXd;
 double number(const Traced& traced) { return traced(0); }
@@ -33,12 +27,19 @@ Traced product(const Traced& a, const Traced& b) {
   return both;
 }
 
+// A contact change, and how far from it samples are beside it, if no other one is nearer.
+struct Beside {
+  const Event& change;
+  double within;
+};
+
 // How close a contact change is to t_k, from 0 at the samples beside it to 1.
-Traced closeness(const std::vector<double>& t, std::size_t k, std::span<const Event> changes, Eigen::Index size) {
+Traced closeness(const std::vector<double>& t, std::size_t k, const std::vector<Beside>& changes, Eigen::Index size) {
   Traced close = Traced::Zero(size);
-  for (const Event& at : changes) {
+  for (const auto& [at, within] : changes) {
     const bool earlier = at.time < t[k];
-    const double side = earlier ? t[k] - t[k > 0 ? k - 1 : 0] : t[std::min(k + 1, t.size() - 1)] - t[k];
+    const double interval = earlier ? t[k] - t[k > 0 ? k - 1 : 0] : t[std::min(k + 1, t.size() - 1)] - t[k];
+    const double side = std::min(interval, within);
     const double away = std::abs(at.time - t[k]);
     if (away >= side || 1.0 - away / side <= number(close)) continue;
     close(0) = 1.0 - away / side;
@@ -51,7 +52,7 @@ Traced closeness(const std::vector<double>& t, std::size_t k, std::span<const Ev
 // value of the model from the sample before to the one behind, of less than that the farther off the change is, for S
 // is to be continuous.
 void compare_samples(const MeasuredTrace& trace, const std::vector<double>& t, const std::vector<Traced>& model,
-                     std::span<const Event> changes, Misfit& misfit, std::vector<Traced>& rows) {
+                     const std::vector<Beside>& changes, Misfit& misfit, std::vector<Traced>& rows) {
   for (std::size_t k = 0; k < t.size(); ++k) {
     const double datum = trace.values[k];
     if (std::isnan(datum)) continue;
@@ -114,7 +115,12 @@ std::vector<Traced> impulses(Where where, std::size_t joint, const std::vector<d
 
 }  // namespace
 
-Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps) {
+Kind kind_of(const Event& event) {
+  return {event.where, event.where == Where::span || event.where == Where::joint ? event.node : 0, event.change};
+}
+
+Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps,
+               const TimeErrors& errors) {
   Misfit misfit;
   double end = study.times.empty() ? 0.0 : study.times.back();
   for (const Event& change : study.changes) end = std::max(end, change.time);
@@ -170,6 +176,15 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   misfit.steps = done.steps;
   if (done.sensitivity) misfit.lost = done.sensitivity->lost;
 
+  std::vector<Beside> changes;
+  std::map<Kind, std::size_t> seen;
+  for (const Event& change : misfit.changes) {
+    const auto own = errors.find(kind_of(change));
+    const std::size_t k = seen[kind_of(change)]++;
+    changes.push_back({change, compared != Compared::exact                        ? INFINITY
+                               : own != errors.end() && k < own->second.size() ? own->second[k]
+                                                                               : 0.0});
+  }
   std::vector<Traced> rows;
   for (std::size_t i = 0; i < model.size(); ++i) {
     const MeasuredTrace& trace = study.traces[i];
@@ -177,8 +192,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     misfit.traces.emplace_back();
     std::ranges::transform(model[i], std::back_inserter(misfit.traces.back()), number);
     if (smooth || compared != Compared::integrals)
-      compare_samples(trace, study.times, model[i],
-                      smooth || compared == Compared::exact ? std::span<const Event>() : misfit.changes, misfit, rows);
+      compare_samples(trace, study.times, model[i], smooth ? std::vector<Beside>() : changes, misfit, rows);
     else if (is_velocity(trace.column))
       compare_integrals(trace, study.times, model[i], rows);
     else
@@ -189,11 +203,11 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
                                  static_cast<std::size_t>(trace.place), study.times, model[i], misfit.changes),
                         rows);
   }
-  std::map<Kind, std::size_t> seen;
+  seen.clear();
   for (const Event& measured : study.changes) {
-    std::size_t skip = seen[kind(measured)]++;
+    std::size_t skip = seen[kind_of(measured)]++;
     const auto same = std::ranges::find_if(
-        misfit.changes, [&](const Event& event) { return kind(event) == kind(measured) && skip-- == 0; });
+        misfit.changes, [&](const Event& event) { return kind_of(event) == kind_of(measured) && skip-- == 0; });
     Traced row = Traced::Zero(1 + parameters);
     row(0) = (same == misfit.changes.end() ? 2.0 * end : same->time) - measured.time;
     if (same != misfit.changes.end())
@@ -261,7 +275,7 @@ Minimum Search::minimum_from(const Eigen::VectorXd& start, Compared first, std::
 Misfit Search::run(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
   ++runs;
   return measure(study_, study_.model({values.data(), static_cast<std::size_t>(values.size())}), compared, derivatives,
-                 most_steps_.value_or(first_steps_));
+                 most_steps_.value_or(first_steps_), errors);
 }
 
 void Search::difference(const Eigen::VectorXd& values, Compared compared, Misfit& misfit) {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "viscobar/studies/fit/fit.hpp"
@@ -48,10 +50,18 @@ inline bool is_reaction(TraceColumn column) {
          column == TraceColumn::force_of;
 }
 
+/// End, node and change of contact changes.
+using Kind = std::tuple<Where, std::size_t, Change>;
+Kind kind_of(const Event& event);
+/// How wrong the model itself is in the times of contact changes, of each kind in their order. Within it `exact`
+/// samples are compared as those beside changes.
+using TimeErrors = std::map<Kind, std::vector<double>>;
+
 /// Runs a model beside the data, with so many steps at most. A measured contact change that the model does not have, in
 /// the order of those of its kind, counts as one at twice the end of the run. @throws as
 /// simulate_within()
-Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps);
+Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivatives, std::size_t most_steps,
+               const TimeErrors& errors = {});
 
 /// Where a search ended.
 struct Minimum {
@@ -79,6 +89,7 @@ class Search {
 
   std::size_t runs = 0;
   std::optional<Eigen::Index> held;  ///< a parameter that no descent moves
+  TimeErrors errors;
   struct Tried {
     Eigen::VectorXd at;
     Compared compared;
