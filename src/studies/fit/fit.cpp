@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -36,6 +38,12 @@ bool runs_away(const FitStudy& study, const Eigen::VectorXd& values, const Misfi
     if (start != 0.0 && !known && (ratio > far_off || ratio < 1.0 / far_off)) return true;
   }
   return false;
+}
+
+// True if what samples beside contact changes are forgiven leaves nothing that tells a parameter.
+bool jumps_alone_tell(const Minimum& at) {
+  return at.compared == Compared::samples &&
+         (at.misfit.jacobian.colwise().norm().transpose().array() * at.at.array().abs() < 1.0).any();
 }
 
 // Halton's points, which fill the bounds evenly.
@@ -162,17 +170,17 @@ std::vector<Eigen::VectorXd> across_samples(const Search& search, const FitStudy
   return all;
 }
 
-// Values at or near the best that meet the samples as they are, but for what the model itself is wrong by in its contact
-// times. At the best ones a contact change may be on the wrong side of a sample, which is hidden by what samples beside
-// changes are compared with.
+// Values at or near the best that meet the samples as they are, but for what the model itself is wrong by in its
+// contact times. At the best ones a contact change may be on the wrong side of a sample, which is hidden by what
+// samples beside changes are compared with.
 std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, const Minimum& best) {
   const double noise = residual_of(best.misfit, best.at.size());
   search.errors = time_errors(study, best);
   const auto from = [&](const Eigen::VectorXd& at) -> std::optional<Minimum> {
     Minimum found = search.minimum_from(at, Compared::exact, study.most_runs);
-    return is_met_exactly(study, found.misfit, noise) ? std::optional(found) : std::nullopt;
+    return is_met_exactly(study, found, noise, search.errors) ? std::optional(found) : std::nullopt;
   };
-  if (is_met_exactly(study, search.at(best.at, Compared::exact, false), noise)) return from(best.at);
+  if (auto found = from(best.at)) return found;
   const auto from_best_of = [&](const std::vector<Eigen::VectorXd>& all) -> std::optional<Minimum> {
     std::vector<std::pair<double, Eigen::VectorXd>> tried;
     for (const Eigen::VectorXd& at : all) tried.emplace_back(search.at(at, Compared::exact, false).sum(), at);
@@ -204,14 +212,24 @@ FitResult fit(const FitStudy& study) {
                                                     : std::numeric_limits<double>::quiet_NaN());
     const double gained = found[best].misfit.sum() - found.back().misfit.sum();
     if (gained > 0.0 || (gained == 0.0 && found.back().converged >= found[best].converged)) best = found.size() - 1;
-    return is_explained(study, found[best].misfit) && !runs_away(study, found[best].at, found[best].misfit);
+  };
+  // Values that meet the samples as they are, by the minima that lead there.
+  std::map<std::size_t, std::optional<Minimum>> exact;
+  const auto exact_of = [&](std::size_t k) -> const std::optional<Minimum>& {
+    if (!exact.contains(k)) exact[k] = exact_minimum(search, study, found[k]);
+    return exact[k];
+  };
+  const auto is_settled = [&] {
+    const Minimum& now = found[best];
+    return is_explained(study, now.misfit) && !runs_away(study, now.at, now.misfit) &&
+           (!search.jumps() || (!jumps_alone_tell(now) && exact_of(best)));
   };
   Eigen::VectorXd given(study.parameters.size());
   for (std::size_t k = 0; k < study.parameters.size(); ++k) given(k) = study.parameters[k].start;
   const Eigen::Index n = given.size();
-  bool explained = begin_at(given, Compared::integrals, study.most_runs);
+  begin_at(given, Compared::integrals, study.most_runs);
   for (std::size_t i = 1; i < study.starts; ++i)
-    explained = begin_at(start_of(study, i, true), Compared::integrals, study.most_runs);
+    begin_at(start_of(study, i, true), Compared::integrals, study.most_runs);
   // Many runs without derivatives say where to begin again.
   const std::size_t tries = 24 * std::min<std::size_t>(study.parameters.size(), 4), most_runs = 8 * study.most_runs;
   // The best of them shows soon; it goes on below.
@@ -225,7 +243,7 @@ FitResult fit(const FitStudy& study) {
     }
     std::ranges::sort(tried, {}, [](const auto& one) { return one.first; });
     for (std::size_t i = 0; i < std::min(most, tried.size()) && search.runs < most_runs; ++i)
-      if (std::isfinite(tried[i].first)) explained = begin_at(tried[i].second, compared, few_runs);
+      if (std::isfinite(tried[i].first)) begin_at(tried[i].second, compared, few_runs);
   };
   // Jumps of velocities and reactions leave narrow valleys beside each other: from one of them to the next, as long as
   // that leads down by what values of the model, right to their tolerance, tell.
@@ -242,11 +260,11 @@ FitResult fit(const FitStudy& study) {
   const auto sizes = [&](const Eigen::VectorXd& values) {
     return Eigen::MatrixXd((values.array() != 0.0).select(values, 0.1 * given).asDiagonal());
   };
-  for (std::size_t round = 0; round < 6 && !explained && search.runs < most_runs; ++round) {
+  for (std::size_t round = 0; round < 6 && search.runs < most_runs && !is_settled(); ++round) {
     begin_among(tries, 4, Compared::integrals, [&] { return start_of(study, ++far, false); });
     if (search.jumps()) begin_beside(tries / 8, {1.0 / 3.0, 0.1, 1.0 / 30.0, 0.01, 1.0 / 300.0}, sizes);
   }
-  if (explained && residual_of(found[best].misfit, n) > small_residual) {
+  if (is_explained(study, found[best].misfit) && residual_of(found[best].misfit, n) > small_residual) {
     // Where noise is all that is left, other minima as low are within a few deviations,
     if (search.jumps())
       begin_beside(tries / 12, {2.0, 1.0, 0.5, 0.25, 0.125},
@@ -262,17 +280,38 @@ FitResult fit(const FitStudy& study) {
         Eigen::VectorXd start = centre.at;
         start(k) = std::clamp(start(k) + step, std::max(parameter.low, parameter.low < 0.0 ? -INFINITY : 0.1 * size),
                               parameter.high);
-        explained = begin_at(start, Compared::samples, few_runs);
+        begin_at(start, Compared::samples, few_runs);
       }
   }
   if (!found[best].converged && found.size() > study.starts)
-    explained = begin_at(found[best].at, Compared::samples, study.most_runs);
+    begin_at(found[best].at, Compared::samples, study.most_runs);
   if (!found[best].misfit.sound) throw std::invalid_argument("fit: no start gives a run: " + found.front().reason);
-  if (auto exact = search.jumps() && explained ? exact_minimum(search, study, found[best]) : std::nullopt) {
-    for (Minimum& other : found) other.misfit = search.at(other.at, Compared::exact, false);
-    result.sums.push_back(exact->misfit.sum());
-    best = found.size();
-    found.push_back(std::move(*exact));
+  bool met = true;
+  if (search.jumps()) {
+    constexpr std::size_t most_looked_at = 4;
+    if (!is_settled()) {
+      std::vector<std::size_t> order(found.size());
+      std::iota(order.begin(), order.end(), 0);
+      std::ranges::stable_sort(order, {}, [&](std::size_t k) { return found[k].misfit.sum(); });
+      std::vector<std::size_t> looked_at;
+      for (const std::size_t k : order) {
+        const auto is_near = [&](std::size_t other) { return found[k].at.isApprox(found[other].at, 0.01); };
+        if (looked_at.size() == most_looked_at) break;
+        if (!looked_at.empty() && !is_explained(study, found[k].misfit)) continue;
+        if (std::ranges::any_of(looked_at, is_near)) continue;
+        looked_at.push_back(k), exact_of(k);
+      }
+    }
+    const auto sum_of = [](const auto& one) { return one.second ? one.second->misfit.sum() : INFINITY; };
+    const auto& [from, least] = *std::ranges::min_element(exact, {}, sum_of);
+    met = least.has_value();
+    if (met) {
+      search.errors = time_errors(study, found[from]);
+      for (Minimum& other : found) other.misfit = search.at(other.at, Compared::exact, false);
+      best = found.size(), found.push_back(*least);
+      for (const auto& [k, minimum] : exact)
+        if (minimum) result.sums.push_back(minimum->misfit.sum()), found.push_back(*minimum);
+    }
   }
   for (bool settled = false; !settled;) {
     FitResult judged;
@@ -287,7 +326,7 @@ FitResult fit(const FitStudy& study) {
   result.iterations = minimum.iterations;
   result.converged = minimum.converged;
   result.reason = minimum.reason;
-  add_warnings(study, found, minimum, result);
+  add_warnings(study, found, minimum, met, result);
   result.traces = minimum.misfit.traces;
   result.changes = minimum.misfit.changes;
   result.lost = minimum.misfit.lost;

@@ -86,6 +86,21 @@ Case finer(Case run) {
   return run;
 }
 
+Case model_at(const FitStudy& study, const Minimum& at) {
+  return study.model({at.at.data(), static_cast<std::size_t>(at.at.size())});
+}
+
+// A finer run at the same values; not sound where there is none.
+Misfit finer_misfit(const FitStudy& study, const Minimum& at, const TimeErrors& errors) {
+  try {
+    return measure(study, finer(model_at(study, at)), at.compared, false, 1000 + 200 * at.misfit.steps, errors);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 // How far the model's own error moves the parameters, counted in `scale`, twice for an error of order one: what a finer
 // run changes its values by, taken for data that are wrong by so much; and, where samples jump, which a line does not
 // follow from one valley into the next, the way to the minimum of the finer model.
@@ -289,31 +304,30 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
   return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 
-bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise) {
-  return is_explained(study, exact) &&
-         exact.residual.cwiseAbs().maxCoeff() <=
-             largest_of_noise(static_cast<double>(exact.residual.size())) * std::max(noise, small_residual);
+bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise, const TimeErrors& errors) {
+  if (!exact.misfit.sound) return false;
+  const Eigen::VectorXd size = exact.misfit.residual.cwiseAbs();
+  // As in stretches, less than a deviation is no matter.
+  const double most = std::max(largest_of_noise(static_cast<double>(size.size())) * noise, 1.0);
+  if (size.maxCoeff() <= most) return true;
+  const Misfit fine = finer_misfit(study, exact, errors);
+  return fine.sound && (size - 2.0 * (fine.residual - exact.misfit.residual).cwiseAbs()).maxCoeff() <= most;
 }
 
 TimeErrors time_errors(const FitStudy& study, const Minimum& at) {
   TimeErrors errors;
-  try {
-    const Case run = study.model({at.at.data(), static_cast<std::size_t>(at.at.size())});
-    const double step = is_scheme(run.method) ? resolve(run).step : 0.0;
-    for (const Event& change : at.misfit.changes) errors[kind_of(change)].push_back(change.time);
-    std::map<Kind, std::size_t> seen;
-    for (const Event& change :
-         measure(study, finer(run), Compared::samples, false, 1000 + 200 * at.misfit.steps).changes)
-      if (std::vector<double>& all = errors[kind_of(change)]; seen[kind_of(change)] < all.size()) {
-        double& time = all[seen[kind_of(change)]++];
-        time = step + 2.0 * std::abs(time - change.time);
-      }
-    for (auto& [kind, all] : errors) all.resize(seen[kind]);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    errors.clear();
-  }
+  const Misfit fine = finer_misfit(study, at, {});
+  if (!fine.sound) return errors;
+  const Case run = model_at(study, at);
+  const double step = is_scheme(run.method) ? resolve(run).step : 0.0;
+  for (const Event& change : at.misfit.changes) errors[kind_of(change)].push_back(change.time);
+  std::map<Kind, std::size_t> seen;
+  for (const Event& change : fine.changes)
+    if (std::vector<double>& all = errors[kind_of(change)]; seen[kind_of(change)] < all.size()) {
+      double& time = all[seen[kind_of(change)]++];
+      time = step + 2.0 * std::abs(time - change.time);
+    }
+  for (auto& [kind, all] : errors) all.resize(seen[kind]);
   return errors;
 }
 
@@ -425,7 +439,8 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   return lower;
 }
 
-void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result) {
+void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, bool met,
+                  FitResult& result) {
   const std::size_t before = result.warnings.size();
   if (is_large(study, best.misfit)) {
     const bool mesh = result.finer_residual < 0.5 * result.residual;
@@ -436,6 +451,10 @@ void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, cons
               : ": either it is not theirs, or these are not the values; other starts, bounds, or parameters that are "
                 "held now may help"));
   }
+  if (!met && result.warnings.size() == before)
+    result.warnings.push_back(
+        "beside contact changes the model is farther from the samples than noise and its own error in the times of these: "
+        "other starts, bounds, or more elements may help");
   for (const Minimum& other : found)
     if (is_another(other, best, result)) {
       std::string values;

@@ -16,8 +16,8 @@ inline constexpr double small_residual = 0.001;
 double residual_of(const Misfit& misfit, Eigen::Index parameters);
 /// True if the residual is noise, or too small to be of interest.
 bool is_explained(const FitStudy& study, const Misfit& misfit);
-/// True if so is that of the samples as they are, and none of them stands out of this noise.
-bool is_met_exactly(const FitStudy& study, const Misfit& exact, double noise);
+/// True if none of the samples as they are stands out of this noise, but for what a finer run changes it by.
+bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise, const TimeErrors& errors);
 
 /// Within so many standard deviations is a value with this probability: by Student's t, or the normal distribution
 /// where the freedom is 0.
@@ -30,7 +30,9 @@ TimeErrors time_errors(const FitStudy& study, const Minimum& at);
 /// Estimates, deviations and covariance of a minimum. Returns values that meet the data better, if it has come upon
 /// some.
 std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result);
-/// Warns of what makes the best of the minima found unreliable; then `converged` is false.
-void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, FitResult& result);
+/// Warns of what makes the best of the minima found unreliable, such as samples that are not met as they are; then
+/// `converged` is false.
+void add_warnings(const FitStudy& study, const std::vector<Minimum>& found, const Minimum& best, bool met,
+                  FitResult& result);
 
 }  // namespace viscobar::fitting

@@ -181,7 +181,7 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
   for (const Event& change : misfit.changes) {
     const auto own = errors.find(kind_of(change));
     const std::size_t k = seen[kind_of(change)]++;
-    changes.push_back({change, compared != Compared::exact                        ? INFINITY
+    changes.push_back({change, compared != Compared::exact                     ? INFINITY
                                : own != errors.end() && k < own->second.size() ? own->second[k]
                                                                                : 0.0});
   }
