@@ -170,16 +170,17 @@ std::vector<Eigen::VectorXd> across_samples(const Search& search, const FitStudy
   return all;
 }
 
-// Values at or near the best that meet the samples as they are, but for what the model itself is wrong by in its
-// contact times. At the best ones a contact change may be on the wrong side of a sample, which is hidden by what
-// samples beside changes are compared with.
+// Values near the best that meet the samples as they are, or values that do but for what the model itself is wrong by.
+// At the best ones a contact change may be on the wrong side of a sample, which is hidden by what samples beside
+// changes are compared with.
 std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, const Minimum& best) {
   const double noise = residual_of(best.misfit, best.at.size());
-  search.errors = time_errors(study, best);
   const auto from = [&](const Eigen::VectorXd& at) -> std::optional<Minimum> {
     Minimum found = search.minimum_from(at, Compared::exact, study.most_runs);
-    return is_met_exactly(study, found, noise, search.errors) ? std::optional(found) : std::nullopt;
+    found.errors = search.errors;
+    return is_met_exactly(study, found, noise) ? std::optional(found) : std::nullopt;
   };
+  search.errors.clear();
   if (auto found = from(best.at)) return found;
   const auto from_best_of = [&](const std::vector<Eigen::VectorXd>& all) -> std::optional<Minimum> {
     std::vector<std::pair<double, Eigen::VectorXd>> tried;
@@ -194,7 +195,9 @@ std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, cons
   std::vector<Eigen::VectorXd> around;
   for (const double scale : {4.0, 2.0, 1.0})
     for (std::size_t i = 0; i < 16; ++i) around.push_back(beside(search, best.at, scale * axes, around.size() + 1));
-  return from_best_of(around);
+  if (auto found = from_best_of(around)) return found;
+  search.errors = time_errors(study, best);
+  return from(best.at);
 }
 
 }  // namespace
@@ -222,7 +225,7 @@ FitResult fit(const FitStudy& study) {
   const auto is_settled = [&] {
     const Minimum& now = found[best];
     return is_explained(study, now.misfit) && !runs_away(study, now.at, now.misfit) &&
-           (!search.jumps() || (!jumps_alone_tell(now) && exact_of(best)));
+           (!search.jumps() || (!jumps_alone_tell(now) && exact_of(best) && exact_of(best)->errors.empty()));
   };
   Eigen::VectorXd given(study.parameters.size());
   for (std::size_t k = 0; k < study.parameters.size(); ++k) given(k) = study.parameters[k].start;
@@ -261,7 +264,10 @@ FitResult fit(const FitStudy& study) {
     return Eigen::MatrixXd((values.array() != 0.0).select(values, 0.1 * given).asDiagonal());
   };
   for (std::size_t round = 0; round < 6 && search.runs < most_runs && !is_settled(); ++round) {
-    begin_among(tries, 4, Compared::integrals, [&] { return start_of(study, ++far, false); });
+    // Integrals by few samples are wrong by what a bounce in between them changes.
+    const bool by_samples = search.jumps() && round % 2 == 1;
+    begin_among(tries, 4, by_samples ? Compared::samples : Compared::integrals,
+                [&] { return start_of(study, ++far, false); });
     if (search.jumps()) begin_beside(tries / 8, {1.0 / 3.0, 0.1, 1.0 / 30.0, 0.01, 1.0 / 300.0}, sizes);
   }
   if (is_explained(study, found[best].misfit) && residual_of(found[best].misfit, n) > small_residual) {
@@ -290,23 +296,28 @@ FitResult fit(const FitStudy& study) {
   if (search.jumps()) {
     constexpr std::size_t most_looked_at = 4;
     if (!is_settled()) {
+      search.errors.clear();
       std::vector<std::size_t> order(found.size());
       std::iota(order.begin(), order.end(), 0);
-      std::ranges::stable_sort(order, {}, [&](std::size_t k) { return found[k].misfit.sum(); });
+      std::vector<double> sums;
+      for (const Minimum& one : found) sums.push_back(search.at(one.at, Compared::exact, false).sum());
+      std::ranges::stable_sort(order, {}, [&](std::size_t k) { return sums[k]; });
       std::vector<std::size_t> looked_at;
       for (const std::size_t k : order) {
         const auto is_near = [&](std::size_t other) { return found[k].at.isApprox(found[other].at, 0.01); };
         if (looked_at.size() == most_looked_at) break;
-        if (!looked_at.empty() && !is_explained(study, found[k].misfit)) continue;
+        if (k != best && !is_explained(study, found[k].misfit)) continue;
         if (std::ranges::any_of(looked_at, is_near)) continue;
         looked_at.push_back(k), exact_of(k);
       }
     }
-    const auto sum_of = [](const auto& one) { return one.second ? one.second->misfit.sum() : INFINITY; };
-    const auto& [from, least] = *std::ranges::min_element(exact, {}, sum_of);
+    const auto rank = [](const auto& one) {
+      return std::pair(!one.second || !one.second->errors.empty(), one.second ? one.second->misfit.sum() : INFINITY);
+    };
+    const auto least = std::ranges::min_element(exact, {}, rank)->second;
     met = least.has_value();
     if (met) {
-      search.errors = time_errors(study, found[from]);
+      search.errors = least->errors;
       for (Minimum& other : found) other.misfit = search.at(other.at, Compared::exact, false);
       best = found.size(), found.push_back(*least);
       for (const auto& [k, minimum] : exact)

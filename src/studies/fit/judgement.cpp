@@ -91,9 +91,9 @@ Case model_at(const FitStudy& study, const Minimum& at) {
 }
 
 // A finer run at the same values; not sound where there is none.
-Misfit finer_misfit(const FitStudy& study, const Minimum& at, const TimeErrors& errors) {
+Misfit finer_misfit(const FitStudy& study, const Minimum& at) {
   try {
-    return measure(study, finer(model_at(study, at)), at.compared, false, 1000 + 200 * at.misfit.steps, errors);
+    return measure(study, finer(model_at(study, at)), at.compared, false, 1000 + 200 * at.misfit.steps, at.errors);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
@@ -173,7 +173,9 @@ bool is_another(const Minimum& other, const Minimum& best, const FitResult& resu
 // a valley that is wide on the other, and behind a ridge S may be low again.
 double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, const Eigen::VectorXd& step,
              std::optional<Eigen::VectorXd>& lower) {
-  constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
+  constexpr double widening = 4.0, farthest = 1e7;
+  // Two deviations, of few numbers as far as Student says.
+  const double sigmas = students_bound(0.9545, static_cast<std::size_t>(best.misfit.freedom(step.size())));
   // Deviations by the derivatives are kept where S says between a half and 1.15 of them: it rises by their square. Of
   // 400 random fits 0.35 and 0.7, 1.05 and 1.4 leave as many wrong.
   constexpr double shortest = 0.5, longest = 1.15;
@@ -304,19 +306,19 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
   return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 
-bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise, const TimeErrors& errors) {
+bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise) {
   if (!exact.misfit.sound) return false;
   const Eigen::VectorXd size = exact.misfit.residual.cwiseAbs();
   // As in stretches, less than a deviation is no matter.
   const double most = std::max(largest_of_noise(static_cast<double>(size.size())) * noise, 1.0);
-  if (size.maxCoeff() <= most) return true;
-  const Misfit fine = finer_misfit(study, exact, errors);
+  if (size.maxCoeff() <= most || exact.errors.empty()) return size.maxCoeff() <= most;
+  const Misfit fine = finer_misfit(study, exact);
   return fine.sound && (size - 2.0 * (fine.residual - exact.misfit.residual).cwiseAbs()).maxCoeff() <= most;
 }
 
 TimeErrors time_errors(const FitStudy& study, const Minimum& at) {
   TimeErrors errors;
-  const Misfit fine = finer_misfit(study, at, {});
+  const Misfit fine = finer_misfit(study, at);
   if (!fine.sound) return errors;
   const Case run = model_at(study, at);
   const double step = is_scheme(run.method) ? resolve(run).step : 0.0;
@@ -408,8 +410,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     double error = std::max(linear, scale(free[a]) * moved.searched(a)), deviation = std::hypot(noise, error);
     // A step of one deviation by the data leaves the bounds, or what the parameter is large by.
     const bool far =
-        std::hypot(noise, linear) > std::min(0.5 * (parameter.high - parameter.low),
-                                             10.0 * std::max(std::abs(one.estimate), std::abs(parameter.start)));
+        std::hypot(noise, linear) > std::min(0.5 * (parameter.high - parameter.low), 10.0 * std::abs(one.estimate));
     // Nor do others make up for it.
     if (far && scaled.col(a).squaredNorm() * inverse(a, a) < 2.0)
       ways(a) = plateau(search, study, best, free[a], scale(free[a]), lower).value_or(0.0);

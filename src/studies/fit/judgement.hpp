@@ -16,8 +16,9 @@ inline constexpr double small_residual = 0.001;
 double residual_of(const Misfit& misfit, Eigen::Index parameters);
 /// True if the residual is noise, or too small to be of interest.
 bool is_explained(const FitStudy& study, const Misfit& misfit);
-/// True if none of the samples as they are stands out of this noise, but for what a finer run changes it by.
-bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise, const TimeErrors& errors);
+/// True if none of the samples as they are stands out of this noise, but for what a finer run changes it by where the
+/// minimum has errors of times.
+bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise);
 
 /// Within so many standard deviations is a value with this probability: by Student's t, or the normal distribution
 /// where the freedom is 0.

@@ -315,7 +315,7 @@ double Search::limited(Eigen::Index k, double from, double to) const {
 constexpr double small_step = 1e-3, rounding_step = 1e-9;
 
 Minimum Search::descend(const Eigen::VectorXd& start, Compared compared, std::size_t most_runs) {
-  Minimum now{start, at(start, compared), 0, false, "", compared};
+  Minimum now{start, at(start, compared), 0, false, "", compared, {}};
   const auto ended = [&now](std::string reason) {
     now.reason = std::move(reason);
     return now;

@@ -71,6 +71,7 @@ struct Minimum {
   bool converged = false;
   std::string reason;
   Compared compared = Compared::samples;
+  TimeErrors errors;  ///< of `exact` samples; empty where they are met without
 };
 
 /// True if a parameter has come to one of its bounds.
