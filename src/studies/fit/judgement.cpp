@@ -173,9 +173,7 @@ bool is_another(const Minimum& other, const Minimum& best, const FitResult& resu
 // a valley that is wide on the other, and behind a ridge S may be low again.
 double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::Index k, const Eigen::VectorXd& step,
              std::optional<Eigen::VectorXd>& lower) {
-  constexpr double widening = 4.0, farthest = 1e7;
-  // Two deviations, of few numbers as far as Student says.
-  const double sigmas = students_bound(0.9545, static_cast<std::size_t>(best.misfit.freedom(step.size())));
+  constexpr double sigmas = 2.0, widening = 4.0, farthest = 1e7;
   // Deviations by the derivatives are kept where S says between a half and 1.15 of them: it rises by their square. Of
   // 400 random fits 0.35 and 0.7, 1.05 and 1.4 leave as many wrong.
   constexpr double shortest = 0.5, longest = 1.15;
@@ -309,8 +307,8 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
 bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise) {
   if (!exact.misfit.sound) return false;
   const Eigen::VectorXd size = exact.misfit.residual.cwiseAbs();
-  // As in stretches, less than a deviation is no matter.
-  const double most = std::max(largest_of_noise(static_cast<double>(size.size())) * noise, 1.0);
+  // A sample that is off by less than the model may be is no other motion.
+  const double most = std::max(largest_of_noise(static_cast<double>(size.size())) * noise, large_residual);
   if (size.maxCoeff() <= most || exact.errors.empty()) return size.maxCoeff() <= most;
   const Misfit fine = finer_misfit(study, exact);
   return fine.sound && (size - 2.0 * (fine.residual - exact.misfit.residual).cwiseAbs()).maxCoeff() <= most;
