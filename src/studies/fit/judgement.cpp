@@ -122,9 +122,12 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
       throw std::runtime_error(found.front().problem);
     Search further(of_finer, 1000 + 200 * best.misfit.steps);
     further.errors = search.errors;
-    const Misfit fine = further.at(best.at, best.compared, false);
+    // Right beside a parameter on its bound the model may jump, and samples as they are with it.
+    const Compared along = inverse.rows() < best.at.size() ? Compared::samples : best.compared;
+    const Misfit fine = further.at(best.at, along, false);
     if (!fine.sound) throw std::runtime_error(fine.error);
-    error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - best.misfit.residual))).cwiseAbs();
+    const Misfit coarse = along == best.compared ? best.misfit : search.at(best.at, along, false);
+    error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
     if (search.jumps() || is_large(study, best.misfit)) {
       // Samples as they are lead over the flat floors of those beside changes, unless one is on the wrong side.
       const auto search_by = [&](Compared compared) {
