@@ -12,7 +12,7 @@ namespace viscobar {
 
 Statistics simulate_within(const RunLimits& limits, const Setup& setup, const BarSystem& system,
                            std::span<const double> times, Observers observers) {
-  const WallClock clock;
+  const Stopwatch clock;
   const bool bounded = std::isfinite(limits.seconds);
   bool stopped = false, late = false;
   std::size_t steps = 0;

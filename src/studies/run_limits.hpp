@@ -21,7 +21,7 @@ struct TooLong : std::runtime_error {
 /// Bounds of a run of a study, looked at after each step.
 struct RunLimits {
   std::function<bool()> stop;                                ///< true: the study is to end; may be empty
-  double seconds = std::numeric_limits<double>::infinity();  ///< on the clock
+  double seconds = std::numeric_limits<double>::infinity();  ///< of processor time, which other work leaves alone
   std::size_t steps = std::numeric_limits<std::size_t>::max();
 };
 

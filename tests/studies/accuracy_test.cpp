@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "studies/accuracy/quick_estimate.hpp"
 #include "studies/accuracy/sample.hpp"
 #include "studies/accuracy/space_error.hpp"
+#include "studies/run_limits.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 #include "viscobar/studies/limit/limit.hpp"
@@ -48,6 +51,20 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
       EXPECT_LE(wrong, error) << viscosity;
       EXPECT_LE(wrong, result.estimate.total + 1e-10) << viscosity << " " << error;
     }
+}
+
+// What else runs on the machine takes no time of a run: only its own work counts.
+TEST(AccuracyOnRequest, ABoundOfARunIsProcessorTime) {
+  Case run = parse_scene(rebound, "scene", {}).run;
+  run.elements = 10;
+  const auto setup = resolve(run);
+  const BarSystem system = setup.system();
+  Observers waiting;
+  waiting.snapshot = [](const Snapshot& now) {
+    if (now.time == 0.0) std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  };
+  EXPECT_NO_THROW(simulate_within({{}, 1.0}, setup, system, waiting));
+  EXPECT_THROW(simulate_within({{}, 1e-9}, setup, system, {}), TooLong);
 }
 
 std::vector<std::size_t> elements_of(const ErrorEstimate& estimate) {

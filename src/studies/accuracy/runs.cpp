@@ -47,16 +47,19 @@ std::size_t Runs::long_ones(const std::vector<Setting>& settings) const {
 Runs::Batch Runs::work(std::vector<Setting> settings, std::size_t threads, double most) const {
   Batch batch{std::move(settings), {}, 0.0};
   batch.found.resize(batch.settings.size());
-  const WallClock clock;
+  const double workers = static_cast<double>(std::clamp<std::size_t>(batch.settings.size(), 1, threads));
+  std::atomic<double> used = 0.0;
   const auto stop = [&] { return abandoned_ || (stop_ && stop_()); };
   const auto run = [&](std::size_t i) {
+    const Stopwatch clock;
     try {
-      batch.found[i] = sample_of(make_(batch.settings[i]), times_, {stop, most - clock.seconds()}, peaks_);
+      batch.found[i] = sample_of(make_(batch.settings[i]), times_, {stop, most - used / workers}, peaks_);
     } catch (const TooLong&) {  // those that came to their end are kept
     }
+    used += clock.seconds();
   };
   parallel_for(batch.settings.size(), run, threads);
-  batch.seconds = clock.seconds();
+  batch.seconds = used / workers;
   return batch;
 }
 

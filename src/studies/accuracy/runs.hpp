@@ -53,7 +53,7 @@ class Runs {
 
   /// Runs that were made, in their order.
   const std::vector<std::pair<Setting, Statistics>>& made() const { return made_; }
-  /// Wall-clock time of these runs.
+  /// Processor time of these runs, over the threads that shared it.
   double seconds() const { return seconds_; }
   /// Bound of seconds(); a run that would exceed it is ended.
   double most_seconds = RunLimits().seconds;
