@@ -53,7 +53,7 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
     }
 }
 
-// What else runs on the machine takes no time of a run: only its own work counts.
+// Other work on the machine takes no time of a run: only its own counts.
 TEST(AccuracyOnRequest, ABoundOfARunIsProcessorTime) {
   Case run = parse_scene(rebound, "scene", {}).run;
   run.elements = 10;
