@@ -59,29 +59,12 @@ std::vector<double> Case::output_times() const {
 
 namespace {
 
-/// The squares of what is smaller than this, energies among them, have no digits left.
-constexpr double least_displacement = 1e-100;
-
-/// @throws IntegrationError where the data move the bar, but by less than that
-void require_size(const State& start, const BarSystem& system, double end) {
-  const auto any = [](const std::vector<double>& values) {
-    return std::ranges::any_of(values, [](double value) { return std::abs(value) >= least_displacement; });
-  };
-  if (any(start.u) || any(start.v)) return;
-  const double moved = displacement_of_data(system, end);
-  if (moved > 0.0 && moved < least_displacement)
-    throw IntegrationError(Failure::overflow,
-                           fmt::format("the data move the bar by some {:.1e}, which is too small for the squares of "
-                                       "double precision: write 0, or take other units",
-                                       moved),
-                           {});
-}
-
 Statistics simulate_from(const StartingPoint& start, const Setup& setup, const BarSystem& system,
                          std::span<const double> times, const Observers& observers) {
   const Case& run = setup.run;
   try {
-    if (const auto* state = std::get_if<State>(&start)) require_size(*state, system, run.end);
+    if (const auto* state = std::get_if<State>(&start))
+      if (const auto words = too_small(*state, system, run.end)) throw IntegrationError(Failure::overflow, *words, {});
     const auto integrated = [&](const auto& method) {
       if constexpr (std::is_same_v<decltype(method), const Characteristics&>) {
         const auto* checkpoint = std::get_if<Checkpoint>(&start);

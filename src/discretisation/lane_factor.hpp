@@ -36,20 +36,18 @@ inline void store_lanes(const Lanes& lanes, double* x) { lanes.copy_to(x, std::e
   return lanes[0];
 }
 
+/// The first `count` of 16 numbers, and zeros.
+[[gnu::noinline]] Lanes load_first(const double* x, std::size_t count) noexcept;
+
 /// term(at) summed over n entries, `at` loading 16 of an array, or what is left of it and zeros. A loop that adds to
 /// one number has its terms multiplied as many at once as registers hold, and only the others contracted with the
-/// addition.
+/// addition. Nor is a product contracted with an addition behind a branch: loading has none.
 inline double sum_by_lanes(std::size_t n, auto&& term) {
   Lanes sums = 0.0;
   std::size_t i = 0;
   for (; i + lane_count <= n; i += lane_count)
     sums += term([i](const double* x) __attribute__((always_inline)) { return load_lanes(x + i); });
-  if (i < n)
-    sums += term([=](const double* x) {
-      std::array<double, lane_count> rest{};
-      std::copy(x + i, x + n, rest.begin());
-      return load_lanes(rest.data());
-    });
+  if (i < n) sums += term([=](const double* x) { return load_first(x + i, n - i); });
   return sum_of(sums);
 }
 

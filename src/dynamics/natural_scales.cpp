@@ -1,5 +1,7 @@
 #include "dynamics/natural_scales.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -103,6 +105,18 @@ double displacement_of_data(const BarSystem& system, double end) {
                            moved_by_ends(system, tau, end)});
   if (scale == 0.0) scale = moved_by_obstacles(system, end);
   return std::isfinite(scale) ? scale : 0.0;
+}
+
+std::optional<std::string> too_small(const State& start, const BarSystem& system, double end) {
+  // The squares of smaller displacements, energies among them, have no digits left.
+  constexpr double least = 1e-100;
+  if (largest(start.u) >= least || largest(start.v) >= least) return std::nullopt;
+  const double moved = displacement_of_data(system, end);
+  if (moved == 0.0 || moved >= least) return std::nullopt;
+  return fmt::format(
+      "the data move the bar by some {:.1e}, which is too small for the squares of double precision: write 0, or take "
+      "other units",
+      moved);
 }
 
 NaturalScales natural_scales(const BarSystem& system, double end) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
@@ -21,5 +24,7 @@ struct NaturalScales {
 NaturalScales natural_scales(const BarSystem& system, double end);
 /// U without that L: 0 where all vanish.
 double displacement_of_data(const BarSystem& system, double end);
+/// The fault, in words, of data that move the bar from this state, but by less than has squares; else absent.
+std::optional<std::string> too_small(const State& start, const BarSystem& system, double end);
 
 }  // namespace viscobar

@@ -308,6 +308,8 @@ SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop
   const Setup setup = resolve(as_run.run);
   SceneCheck check{
       std::move(as_run), setup, setup.system(), foresee(setup, stop), {}, memory_need(setup.run), {}, 0, {}, {}};
+  if (const auto words = too_small(check.system.initial_state(), check.system, setup.run.end))
+    throw std::invalid_argument(*words);
   check.regimes = contact_regimes(setup, check.system);
   for (ContactRegime& regime : check.regimes) predict(regime, check.foreseen, setup.epsilon, check.system);
   check.error = std::move(forecast.estimate);

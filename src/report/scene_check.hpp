@@ -29,7 +29,7 @@ struct SceneCheck {
   std::vector<std::string> warnings;   ///< with remedies, a sentence each
 };
 
-/// `stop` ends runs that are made for the check; may be empty.
+/// `stop` ends runs that are made for the check; may be empty. @throws std::invalid_argument for data that no run takes
 SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop = {});
 
 std::string check_json(const SceneCheck& check);

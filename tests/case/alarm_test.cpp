@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "report/scene_check.hpp"
 #include "support/paper_throw.hpp"
 #include "support/scene_text.hpp"
 #include "viscobar/case/recording.hpp"
@@ -95,6 +96,7 @@ TEST(Alarm, DataThatAreTooSmallForSquaresEndInAMessageByEveryMethod) {
         EXPECT_NE(std::string(error.what()).find("too small for the squares of double precision"), std::string::npos)
             << error.what() << text;
       }
+      EXPECT_THROW(check_scene(parse_scene(text, "scene")), std::invalid_argument) << text;
     }
   // The waves of a bar without viscosity are followed to choose its method; here they are 0 where the bar is thrown.
   for (const char* shape : {"\"exp(-711*(1+x))\"", "\"5e-324*sin(3*x)\""}) {

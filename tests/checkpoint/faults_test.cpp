@@ -320,7 +320,9 @@ TEST_F(Faults, AKillAnywhereLeavesTheOldResultOrTheNew) {
     for (const std::size_t n : spread(6, calls, 12)) {
       SCOPED_TRACE(command[0] + " kill:" + std::to_string(n));
       begin();
-      ASSERT_EQ(run(command, "kill:" + std::to_string(n)), -SIGKILL);
+      // Files that are written by the clock are written less often on a machine that has become faster.
+      const int killed = run(command, "kill:" + std::to_string(n));
+      ASSERT_TRUE(killed == -SIGKILL || (killed == 0 && counted() < n)) << killed << err();
       if (command[0] != "export") {
         EXPECT_NE(run({"info", "--verify", "out"}, ""), 1) << read_text(scratch / "out.txt");
       }

@@ -1,12 +1,15 @@
-"""Instructions of six kinds of job, whole processes.
+"""Instructions of six kinds of job, whole processes, or processor times.
 
 python3 tests/measurements/job_instructions.py PROGRAM [PROGRAM BEFORE]
+python3 tests/measurements/job_instructions.py --times PROGRAM OTHER
 
-It needs valgrind, which knows AVX2 but not AVX-512: programs of -DVISCOBAR_LEVEL=x86-64-v3. Counts repeat to 1e-4. Both programs
+Times are taken in turn, fifteen of each; the ratio is the median of those of pairs. To count it needs valgrind, which knows AVX2 but not AVX-512: programs of -DVISCOBAR_LEVEL=x86-64-v3. Counts repeat to 1e-4. Both programs
 run the examples of this folder's clone.
 """
 import os
 import re
+import resource
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -61,25 +64,44 @@ def jobs():
     yield "sweep of 2,000 throws, `rigid`, 24 elements", "", ["sweep", "sweep.toml", "--threads", "1", "--quiet"]
 
 
-def count(program, scene, arguments):
+def run(command, scene, arguments):
     with tempfile.TemporaryDirectory() as folder:
         for name, text in (("throw.toml", THROW), ("sweep.toml", SWEEP), ("readme.toml", scene)):
             with open(os.path.join(folder, name), "w") as file:
                 file.write(text)
-        done = subprocess.run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, *arguments, "-o", "out"],
-                              capture_output=True, text=True, cwd=folder)
-        found = re.search(r"Collected : (\d+)", done.stderr)
-        if not found or done.returncode != 0:
+        done = subprocess.run([*command, *arguments, "-o", "out"], capture_output=True, text=True, cwd=folder)
+        if done.returncode != 0:
             sys.exit(f"{' '.join(arguments)}: exit code {done.returncode}\n{done.stderr}")
-        return int(found[1])
+        return done.stderr
 
 
-programs = [os.path.abspath(program) for program in sys.argv[1:]]
-if not programs:
+def millions_of_instructions(program, scene, arguments):
+    told = run(["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program], scene, arguments)
+    return int(re.search(r"Collected : (\d+)", told)[1]) / 1e6
+
+
+def milliseconds(program, scene, arguments):
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return 1e3 * (usage.ru_utime + usage.ru_stime)
+
+    before = used()
+    run([program], scene, arguments)
+    return used() - before
+
+
+timed = sys.argv[1:2] == ["--times"]
+programs = [os.path.abspath(program) for program in sys.argv[2 if timed else 1:]]
+if not programs or timed and len(programs) != 2:
     sys.exit(__doc__)
-print("| job | millions of instructions |" + (" before | ratio |" if len(programs) > 1 else ""))
+print(f"| job | {'ms of the processor' if timed else 'millions of instructions'} |" + (" the other | ratio |" if len(programs) > 1 else ""))
 print("|---|---|" + ("---|---|" if len(programs) > 1 else ""))
 for name, scene, arguments in jobs():
-    counts = [count(program, scene, arguments) for program in programs]
-    cells = [f"{n / 1e6:,.1f}" for n in counts] + ([f"{counts[0] / counts[1]:.2f}"] if len(counts) > 1 else [])
+    if timed:
+        pairs = [[milliseconds(program, scene, arguments) for program in programs] for _ in range(15)]
+    else:
+        pairs = [[millions_of_instructions(program, scene, arguments) for program in programs]]
+    cells = [f"{statistics.median(values):,.1f}" for values in zip(*pairs)]
+    if len(programs) > 1:
+        cells.append(f"{statistics.median(one / other for one, other in pairs):.2f}")
     print(f"| {name} | {' | '.join(cells)} |", flush=True)

@@ -53,11 +53,11 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
     }
 }
 
-// What else runs on the machine takes no time of a run: only its own work counts.
+// Other work on the machine takes no time of a run: only its own counts.
 TEST(AccuracyOnRequest, ABoundOfARunIsProcessorTime) {
   Case run = parse_scene(rebound, "scene", {}).run;
   run.elements = 10;
-  const Setup setup = resolve(run);
+  const auto setup = resolve(run);
   const BarSystem system = setup.system();
   Observers waiting;
   waiting.snapshot = [](const Snapshot& now) {
