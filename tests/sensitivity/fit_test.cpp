@@ -282,7 +282,7 @@ TEST(RandomFits, AreNotReliedOnFartherFromTheTruthThanTheirMeshSays) {
   }
 }
 
-// What samples beside contact changes are forgiven hid whole false motions of bars that bounce, told as converged with
+// Forgiven samples beside contact changes hid whole false motions of bars that bounce, told as converged with
 // a residual of noise; on the finer mesh the search ended in the valley in which it began. Four deviations by noise are
 // 1 of 16,000.
 TEST(RandomFits, OfFewDataAreNotReliedOnWhereSamplesAreForgivenAFalseMotion) {

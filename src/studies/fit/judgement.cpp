@@ -310,9 +310,8 @@ bool is_explained(const FitStudy& study, const Misfit& misfit) {
 bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise) {
   if (!exact.misfit.sound) return false;
   const Eigen::VectorXd size = exact.misfit.residual.cwiseAbs();
-  // As in stretches, less than a deviation is no matter, or than what residuals may be where the model errs.
-  const double most =
-      std::max(largest_of_noise(static_cast<double>(size.size())) * noise, exact.errors.empty() ? 1.0 : large_residual);
+  // A residual that is never large is no matter.
+  const double most = std::max(largest_of_noise(static_cast<double>(size.size())) * noise, curved_residual);
   if (size.maxCoeff() <= most || exact.errors.empty()) return size.maxCoeff() <= most;
   const Misfit fine = finer_misfit(study, exact);
   return fine.sound && (size - 2.0 * (fine.residual - exact.misfit.residual).cwiseAbs()).maxCoeff() <= most;
