@@ -325,8 +325,8 @@ FitResult fit(const FitStudy& study) {
     };
     const auto least = std::ranges::min_element(exact, {}, rank)->second;
     met = least.has_value();
+    search.errors = met ? least->errors : TimeErrors();
     if (met) {
-      search.errors = least->errors;
       for (Minimum& other : found) other.misfit = search.at(other.at, Compared::exact, false);
       best = found.size(), found.push_back(*least);
       for (const auto& [k, minimum] : exact)

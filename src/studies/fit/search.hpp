@@ -90,7 +90,7 @@ class Search {
 
   std::size_t runs = 0;
   std::optional<Eigen::Index> held;  ///< a parameter that no descent moves
-  TimeErrors errors;
+  TimeErrors errors;                 ///< that `exact` samples are excused
   struct Tried {
     Eigen::VectorXd at;
     Compared compared;
