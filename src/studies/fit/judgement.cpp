@@ -111,6 +111,7 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
                        const Eigen::MatrixXd& inverse, const Eigen::VectorXd& scale, const Eigen::VectorXd& ways,
                        const std::vector<Eigen::Index>& free, FitResult& result) {
   constexpr std::size_t few_runs = 12;
+  constexpr Eigen::Index many = 100;
   constexpr double farthest = 0.25;
   const std::size_t runs_of_a_step = study.differences ? 1 + 2 * study.parameters.size() : 1;
   ModelError error{Eigen::VectorXd::Zero(inverse.rows()), Eigen::VectorXd::Zero(inverse.rows())};
@@ -122,8 +123,9 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
       throw std::runtime_error(found.front().problem);
     Search further(of_finer, 1000 + 200 * best.misfit.steps);
     further.errors = search.errors;
-    // Right beside a parameter on its bound the model may jump, and samples as they are with it.
-    const Compared along = inverse.rows() < best.at.size() ? Compared::samples : best.compared;
+    // A finer run has contact changes on the other side of a sample, which is an error of so much only where few
+    // samples tell the parameters.
+    const Compared along = best.misfit.residual.size() > many ? Compared::samples : best.compared;
     const Misfit fine = further.at(best.at, along, false);
     if (!fine.sound) throw std::runtime_error(fine.error);
     const Misfit coarse = along == best.compared ? best.misfit : search.at(best.at, along, false);
