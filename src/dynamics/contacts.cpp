@@ -45,8 +45,6 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   const std::size_t i = nodes_.size(), node = contact.unknown;
   const bool met = is_met_elsewhere(i, node);
   const bool by_law = contact.joint == 0 ? met : !of_bar && (!rigid || (met && is_met_elsewhere(i, node - 1)));
-  if (rigid && by_law)
-    throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
   if (rigid && bar_.size() < 2)
     throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
   const bool massless = bar_.massless(node);

@@ -9,6 +9,7 @@
 
 #include "support/falling_bar.hpp"
 #include "viscobar/input/scene_file.hpp"
+#include "viscobar/integration/integrate.hpp"
 
 namespace viscobar {
 namespace {
@@ -213,6 +214,25 @@ TEST(JumpRemark, TellsForcesThatJumpWhereNoFilterOfHighModesActs) {
   EXPECT_NE(remark(plain, "1.0", "7").find("the right end jumps"), std::string::npos);
   EXPECT_NE(remark(plain + "[side]\nstiffness = 300\n", "1.0").find("the right end jumps"), std::string::npos);
   EXPECT_EQ(remark(plain + "[side]\nstiffness = 200\n", "1.0"), "");
+}
+
+// No row tells the forces on such a body where its contacts are rigid, which the remark does not ask for.
+TEST(JumpRemark, IsMadeOfABodyBetweenAnObstacleAndABar) {
+  const auto remark = [](const std::string& force) {
+    const auto setup = resolve(
+        parse_scene("[[bar]]\nmass = 0.5\nvelocity = -1.0\n[[joint]]\nkind = \"contact\"\ngap = 0.1\n[[bar]]\nlength = "
+                    "1.0\nviscosity = 1e-5\n[left]\nkind = \"obstacle\"\ngap = 0.1\n" +
+                        force + "[mesh]\nelements = 20\nmass = \"fourth_order\"\n[time]\nend = 1.0\n",
+                    "")
+            .run);
+    const BarSystem system = setup.system();
+    EXPECT_THROW(
+        integrate(system, system.initial_state(), std::vector<double>{0.0, 1.0}, Rigid{.tolerance = {1e-6, 1e-9}}, {}),
+        std::invalid_argument);
+    return jump_remark(setup, system).value_or("");
+  };
+  EXPECT_EQ(remark(""), "");
+  EXPECT_NE(remark("[right]\nkind = \"free\"\nforce = 1.0\n").find("the right end jumps"), std::string::npos);
 }
 
 }  // namespace
