@@ -159,13 +159,13 @@ std::vector<Mesh> meshes_of(const SceneEntries& entries, const std::vector<Membe
 
 }  // namespace
 
-void check_chain(SceneEntries& entries) {
+bool check_chain(SceneEntries& entries) {
   const std::size_t count = entries.members("bar"), joints = entries.members("joint");
   entries.report_members_apart();
   if (count == 0) {
     for (std::size_t k = 1; k <= joints; ++k)
       entries.report(key_of("joint", k, "kind"), "is between two tables [[bar]], and there is one bar");
-    return;
+    return true;
   }
   std::size_t bars = 0;
   for (std::size_t k = 1; k <= count; ++k) {
@@ -184,6 +184,7 @@ void check_chain(SceneEntries& entries) {
       entries.report(key, "says not which of {} bars: write {}", count, key_of("bar", 1, leaf));
   if (entries.present("mesh.nodes"))
     entries.report("mesh.nodes", "says not which of {} bars: write {}", count, key_of("bar", 1, "nodes"));
+  return bars > 0;
 }
 
 void take_chain(const SceneEntries& entries, Case& run) {

@@ -12,7 +12,8 @@ std::shared_ptr<const std::vector<double>> nodes_of(const SceneEntries& entries,
 void check_nodes(SceneEntries& entries, const std::string& table, const std::string& length);
 
 /// Reports what is wrong with the tables [[bar]] and [[joint]] of several bars in line, each by itself and together.
-void check_chain(SceneEntries& entries);
+/// False: they are rigid bodies alone, of which nothing else can be said.
+bool check_chain(SceneEntries& entries);
 
 /// Makes the scene of a case one of several bars in line, where the entries have them: the chain, its whole, the
 /// initial data along it, and the elements of each member.

@@ -381,15 +381,17 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Telling 
     check_load_keys(entries);
     check_side_keys(entries);
     check_nodes(entries, "mesh", "bar.length");
-    check_chain(entries);
+    const bool has_bar = check_chain(entries);
     check_motion(entries);
-    Setup setup = validated_setup(entries, adapt);
-    scene.accuracy = accuracy_of(entries, setup);
-    if (entries.sound() && telling == Telling::values) {
-      scene.values = describe(entries, setup.run);
-      scene.chosen = choose(entries, setup);
+    if (has_bar) {
+      Setup setup = validated_setup(entries, adapt);
+      scene.accuracy = accuracy_of(entries, setup);
+      if (entries.sound() && telling == Telling::values) {
+        scene.values = describe(entries, setup.run);
+        scene.chosen = choose(entries, setup);
+      }
+      scene.run = std::move(setup.run);
     }
-    scene.run = std::move(setup.run);
   }
   if (auto found = entries.diagnostics(); !found.empty()) throw SceneError(std::move(found));
   return scene;

@@ -45,6 +45,15 @@ TEST(ChainInput, AKeyOfTheOtherTableIsUnknown) {
     expect_unknown(fmt::format("bar.1.{}", leaf));
 }
 
+TEST(ChainInput, RigidBodiesAloneAreNoBars) {
+  for (const char* kind : {"bonded", "contact"})
+    for (const char* mesh : {"", "elements = 20\n"})
+      EXPECT_EQ(complaint(fmt::format("[[bar]]\nmass = 2\nvelocity = 1\n[[bar]]\nmass = 2\n[[joint]]\nkind = \"{}\"\n"
+                                      "[load]\ndensity = \"x*t\"\n[time]\nend = 1\n[mesh]\n{}mass = \"lumped\"\n",
+                                      kind, mesh)),
+                "s:1:1: bar.1.length: is missing: rigid bodies alone are no bars");
+}
+
 TEST(ChainInput, NamesEachMistakeByItsBar) {
   const auto says = [](const std::string& text, const std::string& words, std::vector<std::string> settings = {}) {
     EXPECT_NE(complaint(text, settings).find(words), std::string::npos) << complaint(text, settings);
