@@ -47,6 +47,8 @@ void PenalisedSystem::accelerate(std::span<double> force) {
   if (!holds_mass) return bar_.accelerate(force);
   if (held_from_ != contacts_.revision()) {
     BandedMatrix inertia = bar_.inertia();
+    for (std::size_t i = 0; i < bar_.massive_begin(); ++i) inertia.diagonal[i] = infinite;
+    for (std::size_t i = bar_.massive_end(); i < size(); ++i) inertia.diagonal[i] = infinite;
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (contacts_.holds_mass(i) && contacts_[i].joint == 0) inertia.diagonal[contacts_[i].unknown] = infinite;
     contacts_.tie_joints(inertia);

@@ -104,6 +104,25 @@ TEST_P(RigidByViscosity, ABarAtRestOnItsObstacleStaysAndCarriesItsWeight) {
   }
 }
 
+// One end keeps its mass, by what is fixed to it, and has impacts; the other one has none.
+TEST_P(RigidByViscosity, AnEndWithMassStrikesBesideOneWithout) {
+  const std::vector<double> times = uniform_times(0.05, 60);
+  for (const bool right : {false, true})
+    for (const EndInput& own : {EndInput{.stiffness = 1.0}, EndInput{.dashpot = 0.5}, EndInput{.mass = 0.3}})
+      for (const Mass mass : {Mass::redistributed, Mass::paper}) {
+        Scene scene = under_load(GetParam(), 0.1, 1.0, 0.0);
+        scene.left = scene.right = Obstacle{0.1};
+        (right ? scene.right_input : scene.left_input) = own;
+        const BarSystem system(scene, {1.0, 16}, mass);
+        const RunTrace rigid = record(system, times, Rigid{tight});
+        const RunTrace truth = record(system, times, Exponential{Penalty{1e-9, 0.0}});
+        ASSERT_GE(rigid.events.size(), 3u);
+        for (std::size_t k = 0; k < times.size(); ++k)
+          for (std::size_t i = 0; i < rigid.u[k].size(); ++i)
+            EXPECT_NEAR(rigid.u[k][i], truth.u[k][i], 1e-6) << right << name(mass) << times[k];
+      }
+}
+
 TEST_P(RigidByViscosity, AFlightThatOnlyTouchesGoesOnAsIfNothingWereThere) {
   // About u = -t + t^2, with what the massless node does to it; the far obstacle shows how deep the end dips.
   const std::vector<double> times = uniform_times(1e-3, 1000);

@@ -200,7 +200,7 @@ void Run::measure_from_obstacle(std::size_t closing) {
     const Contact &one = penalised_.contacts()[c], &other = penalised_.contacts()[closing];
     if (one.where != other.where || one.sign != other.sign) continue;
     measured_[c] = 1;
-    y_[node(c)] += propagators_.origin()[node(c)] + one.sign * one.gap;
+    displacement_of(node(c)) += propagators_.origin()[node(c)] + one.sign * one.gap;
     propagators_.measure_from_obstacle(c);
   }
 }
@@ -219,9 +219,9 @@ bool Run::advance() {
     pass_kink();
     settle_high_modes(false);
   }
-  largest_displacement_ = std::max(
-      largest_displacement_,
-      (y_.head(leg().displacements()) + propagators_.origin().head(leg().displacements())).cwiseAbs().maxCoeff());
+  const Index count = leg().displacements();
+  const auto origin = propagators_.origin().segment(static_cast<Index>(first_displacement()), count);
+  largest_displacement_ = std::max(largest_displacement_, (y_.head(count) + origin).cwiseAbs().maxCoeff());
   const double remaining = std::min(schedule_.next().value_or(piece_end_), piece_end_) - t_;
   // A varying load that vanishes at all points of a long step could hide a pulse between them.
   const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
@@ -381,8 +381,8 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
     penalised_.contacts().set_closed(c, !penalised_.contacts().closed(c));
     if (penalised_.contacts().closed(c)) measure_from_obstacle(c);
     if (!distance_.follows(c) && !pushes[c])
-      y_[node(c)] = propagators_.surface(c) +  // to the digits that only the new leg needs
-                    (penalised_.contacts()[c].joint > 0 ? y_[node(c) - 1] : 0.0);
+      displacement_of(node(c)) = propagators_.surface(c) +  // to the digits that only the new leg needs
+                                 (penalised_.contacts()[c].joint > 0 ? displacement_of(node(c) - 1) : 0.0);
     tell_change(c, penalised_.contacts()[c].of(entries(v)));
   }
   begin_leg();

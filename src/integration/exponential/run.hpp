@@ -87,6 +87,7 @@ class Run {
   std::size_t first_displacement() const {
     return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.massive_begin();
   }
+  double& displacement_of(Index node) { return y_[node - static_cast<Index>(first_displacement())]; }
   std::vector<double> displacement();  // of all unknowns, not measured from obstacles
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
