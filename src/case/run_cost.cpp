@@ -45,9 +45,11 @@ double bounces(const Setup& setup, const ContactRegime& contact) {
   return std::min({until_quiet, flies_with_the_wave ? elements : half_periods, half_periods});
 }
 
-// The contacts of the bar's first few elements: what an end node is and does is decided there.
+// The contacts of the bar's first few elements: what an end node is and does is decided there. Bars in line are as long
+// as they are.
 std::vector<ContactRegime> contacts_of(const Setup& whole) {
   constexpr std::size_t enough = 32;
+  if (!whole.run.scene.chain.empty()) return contact_regimes(whole, whole.system());
   Case part = whole.run;
   part.elements = std::min(part.elements, enough);
   part.scene.bar.length = whole.mesh.spacing() * static_cast<double>(part.elements);

@@ -83,6 +83,8 @@ void Junction::finish() {
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Link& link = links_[l];
+    if (const auto held = link.kind == Kind::fixed ? held_by(l) : std::nullopt)
+      now_.bodies[held->first].velocity = 0.0;  // whatever its data are; one that a motion holds has no mass
     const double a = now_.bodies[link.a].place, b = now_.bodies[link.b].place, clearance = b - a + link.gap;
     // Data that touch up to their rounding touch.
     const double touch = 4.0 * rounding * (std::abs(a) + std::abs(b) + link.gap);

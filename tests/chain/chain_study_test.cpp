@@ -81,6 +81,22 @@ TEST(ChainAccuracy, ABarOfFewElementsHasNoEstimateAndSaysWhy) {
   EXPECT_NE(found.why_not.find("in each bar"), std::string::npos) << found.why_not;
 }
 
+// Bars of four elements beside a long one: what a run costs is estimated on their own meshes, not on a part of them.
+TEST(ChainAccuracy, ARequestIsKeptOnBarsThatAreShort) {
+  AccuracyStudy study;
+  study.scene = parse_scene(
+                    "[[bar]]\nlength = 0.3\nviscosity = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 5.0\nviscosity = "
+                    "0.1\nvelocity = -1.0\n[[bar]]\nlength = 0.3\nviscosity = 1.0\nvelocity = 0.0\n[[joint]]\nkind = "
+                    "\"contact\"\ngap = 0.1\n[[joint]]\nkind = \"spring\"\nstiffness = 0.1\n[time]\nend = "
+                    "0.5\n[method]\nname = \"cvode\"\n",
+                    "")
+                    .run;
+  study.request.error = 1e-2;
+  study.request.given.method = true;
+  const AccuracyResult result = solve(study);
+  EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
+}
+
 TEST(ChainAccuracy, ARequestIsKept) {
   for (const Goal of : {Goal::displacement, Goal::contact_times, Goal::impulse}) {
     AccuracyStudy study;

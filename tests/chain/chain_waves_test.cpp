@@ -126,6 +126,19 @@ TEST(ChainWaves, ARamOnALongRodDiesOut) {
   }
 }
 
+TEST(ChainWaves, AFixedBodyStandsStillWhateverVelocityItIsGiven) {
+  const auto run = [](double given) {
+    return followed(fmt::format(
+        "[[bar]]\nlength = 1.0\nvelocity = 0.3\nelements = 4\n[[bar]]\nmass = 50.0\nvelocity = {}\n[[joint]]\n"
+        "kind = \"spring\"\nstiffness = 10.0\ndamping = 0.1\n[right]\nkind = \"fixed\"\n[time]\nend = 0.5\n",
+        given));
+  };
+  const Followed given = run(-1.0), still = run(0.0);
+  EXPECT_EQ(given.statistics.energy->initial, still.statistics.energy->initial);
+  EXPECT_NEAR(given.statistics.energy->balance_error(), 0.0, rounding);
+  EXPECT_EQ(given.v.back(), still.v.back());
+}
+
 // By the wave that goes to and fro in the rod: end of contact, peak force, speed of the ram [docs/bars-in-line.md].
 TEST(ChainWaves, ARamLeavesAFixedRodInTime) {
   struct Truth {
