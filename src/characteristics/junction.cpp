@@ -42,7 +42,7 @@ void Junction::fit(const TimeFunction& f, const NextBreak& breaks, const char* w
     return finite_load(
         t, [&] { return f(t); }, [&] { return fmt::format("{} at t = {}", what, t); });
   };
-  fitted = fit_.of(of_s, {.breaks = breaks_, .argument = static_cast<double>(k_) + 1.0});
+  fitted = fit_.of(of_s, {.breaks = breaks_, .argument = static_cast<double>(k_) + 1.0, .what = what});
 }
 
 void Junction::enter(std::size_t window) {

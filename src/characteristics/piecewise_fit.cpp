@@ -16,6 +16,9 @@ constexpr std::size_t guards = 61, few_guards = 5;
 constexpr double brief = 1e-9;             // of a piece that is there for a break only
 constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried
 constexpr std::size_t most_of_all = 200'000;
+// Of the integral of |f|, that the brief pieces of halved ones may have: a jump has next to nothing there, |s|^(-1/2)
+// 3e-5, a pole a third.
+constexpr double most_in_brief = 0.01;
 
 }  // namespace
 
@@ -46,11 +49,13 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
   bool done = false;
   for (double tolerance = 4.0 * rounding; !done; tolerance *= 16.0) {
     pieces_.clear();
-    error_ = lost_ = 0.0;
+    error_ = lost_ = whole_ = in_brief_ = 0.0;
     double begin = 0.0;
     const auto halve_up_to = [&](double end) { return halve(std::exchange(begin, end), end, tolerance); };
     done = std::ranges::all_of(options.breaks, halve_up_to) && halve_up_to(1.0);
   }
+  if (in_brief_ > most_in_brief * whole_)
+    throw StepFailure(Failure::load, fmt::format("{} has a pole, or is as good as infinite in a moment", options.what));
   lost_ += pieces_.left_out();
   if (pieces_.size() > 1) {
     lost_ += simplify(pieces_, 16.0 * rounding * scale_ + 2.0 * error_, 0.0, brief, scratch_);
@@ -60,10 +65,10 @@ const Piecewise& PiecewiseFit::of(const std::function<double(double)>& f, const 
 }
 
 // False: it would take too many pieces.
-bool PiecewiseFit::halve(double begin, double end, double tolerance) {
+bool PiecewiseFit::halve(double begin, double end, double tolerance, bool halved) {
   if (!fits(begin, end, tolerance)) {
     const double middle = 0.5 * (begin + end);
-    return halve(begin, middle, tolerance) && halve(middle, end, tolerance);
+    return halve(begin, middle, tolerance, true) && halve(middle, end, tolerance, true);
   }
   // Around a jump the largest difference says nothing: what the piece adds to an integral does.
   if (end - begin < brief)
@@ -71,6 +76,9 @@ bool PiecewiseFit::halve(double begin, double end, double tolerance) {
   else
     error_ = std::max(error_, fit_error_);
   pieces_.append(end, begin, end, fit_);
+  const double part = (end - begin) * fit_.bound();
+  whole_ += part;
+  if (halved && end - begin < brief) in_brief_ += part;
   if (pieces_.size() > most_of_all)
     throw StepFailure(Failure::detail,
                       fmt::format("a formula has detail without end, which {} polynomials do not follow", most_of_all));

@@ -39,8 +39,10 @@ class PiecewiseFit {
     double size = 0.0;
     /// How large its argument is where it is evaluated, in units of s: its roundings are those of that.
     double argument = 1.0;
+    const char* what = "a formula";  ///< f, in messages
   };
-  /// Valid until the next call. @throws StepFailure where f is not finite, or takes too many pieces at any tolerance
+  /// Valid until the next call. @throws StepFailure where f is not finite, has a pole, or takes too many pieces at any
+  /// tolerance
   const Piecewise& of(const std::function<double(double)>& f, const Options& options);
   const Piecewise& of(const std::function<double(double)>& f) { return of(f, Options()); }
 
@@ -59,7 +61,7 @@ class PiecewiseFit {
     return value;
   }
   Sample sample(double s) { return {s, at(s)}; }
-  bool halve(double begin, double end, double tolerance);
+  bool halve(double begin, double end, double tolerance, bool halved = false);
   bool fits(double begin, double end, double tolerance);
   void locate_breaks();
 
@@ -69,6 +71,7 @@ class PiecewiseFit {
   double fit_error_ = 0.0;
   std::vector<Sample> guards_;
   double apart_ = 0.0, argument_ = 1.0, scale_ = 0.0, error_ = 0.0, lost_ = 0.0;
+  double whole_ = 0.0, in_brief_ = 0.0;  // int |f|, and its part in brief pieces of halved ones
   std::size_t evaluations_ = 0;
 };
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "run/step_failure.hpp"
+
 namespace viscobar::characteristics {
 namespace {
 
@@ -70,6 +72,21 @@ TEST(PiecewiseFit, FollowsWigglesAndSaysWhatItCannotFollow) {
   const auto root = [](double s) { return std::sqrt(std::abs(s - 0.3)); };
   EXPECT_LT(largest_difference(fit.of(root), root), 1e-11);
   EXPECT_GT(fit.error(), 1e-15);
+}
+
+// |s|^(-1/2) has an integral that is known to 1e-8, a jump and a brief pulse between breaks one to rounding; that of a
+// pole is what roundings make of it.
+TEST(PiecewiseFit, RefusesAPoleAndNothingElseThatIsLarge) {
+  PiecewiseFit fit;
+  const auto at = [](double s) { return s - 0.3; };
+  for (const double power : {-1.0, -2.0, -0.9})
+    EXPECT_THROW(fit.of([&](double s) { return std::pow(std::abs(at(s)), power); }), StepFailure) << power;
+  EXPECT_THROW(fit.of([&](double s) { return 1e-9 / at(s) + 1.0; }), StepFailure);
+  const double brief[] = {1e-10};
+  EXPECT_NO_THROW(fit.of([](double s) { return s < 1e-10 ? 1e10 : 0.0; }, {.breaks = brief}));
+  EXPECT_NO_THROW(fit.of([&](double s) { return 1.0 / std::sqrt(std::abs(at(s))); }));
+  EXPECT_NO_THROW(fit.of([&](double s) { return at(s) > 0.0 ? 1e12 : 1.0; }));
+  EXPECT_NO_THROW(fit.of([](double s) { return 1.0 / (1.00001 - s); }));
 }
 
 }  // namespace
