@@ -1,7 +1,6 @@
 #include "integration/radau/shifted_systems.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -112,11 +111,11 @@ void ShiftedSystems::find_pairs() {
     if (flags_[unflagged_ - 1] | flags_[n - unflagged_]) break;
   alike_ = both;
   if (unflagged_ == both) return;
-  const std::array<const BandedMatrix*, 3> matrices = {&mass_, &damping_, &stiffness_};
+  const auto same = [like = both - 1](const BandedMatrix& of, std::size_t i, std::size_t off) {
+    return (of.diagonal[i] == of.diagonal[like]) & (of.off_diagonal[off] == of.off_diagonal[like]);
+  };
   const auto alike = [&](std::size_t i, std::size_t off) {
-    return std::ranges::all_of(matrices, [=](const BandedMatrix* one) {
-      return one->diagonal[i] == one->diagonal[both - 1] && one->off_diagonal[off] == one->off_diagonal[both - 1];
-    });
+    return same(mass_, i, off) & same(damping_, i, off) & same(stiffness_, i, off);
   };
   while (alike_ > unflagged_ && alike(alike_ - 1, alike_ - 1) && alike(n - alike_, n - 1 - alike_)) --alike_;
 }

@@ -71,7 +71,7 @@ class Reader {
 
 }  // namespace
 
-Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop) {
+Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop) {
   const Case& run = setup.run;
   const BarSystem system = setup.system();
   std::size_t steps = 0;
