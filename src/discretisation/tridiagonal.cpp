@@ -183,7 +183,7 @@ void TridiagonalFactor::substitute_patched(std::span<double> x) const {
 
 // Takes x_from from what follows, up to x_to. The recurrence is y_i = b_i + m_i y_{i-1}. Four terms of it are condensed
 // without waiting for y_{i-1}, so that one multiplication in four is on the chain of dependencies.
-void TridiagonalFactor::sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const {
+inline void TridiagonalFactor::sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const {
   double carried = x[from];
   std::size_t i = from + 1;
   for (; i + 3 <= to; i += 4) {
