@@ -322,10 +322,8 @@ class Run {
   // the last one, with the velocity after; the openings of a step are earlier than its closings.
   [[gnu::always_inline]] void find_events(std::size_t n) {
     ++statistics_.event_evaluations;
-    const unsigned char *const now = active_.data(), *const before = was_active_.data();
-    bool changed = false;
-    for (std::size_t k = 0, count = active_.size(); k < count; ++k) changed |= now[k] != before[k];
-    if (changed) tell_changes(n);
+    for (std::size_t k = 0, count = active_.size(); k < count; ++k)
+      if (active_[k] != was_active_[k]) return tell_changes(n);
   }
 
   [[gnu::noinline]] void tell_changes(std::size_t n) {
