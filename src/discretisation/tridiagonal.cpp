@@ -84,6 +84,7 @@ void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
 void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   assert(matrix.off_diagonal.size() + 1 == n);
+  patches_.reserve(matrix.one_sided.size());
   auto row = matrix.one_sided.begin();
   const auto rows_end = matrix.one_sided.end();
   auto tie = matrix.ties.begin();

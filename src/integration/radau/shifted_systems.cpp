@@ -95,6 +95,7 @@ void ShiftedSystems::flag_rows(const BarSystem& bar) {
   beyond_.resize(mass_.one_sided.size());
   flags_.assign(n, 0);
   rows_.clear();
+  rows_.reserve(mass_.one_sided.size());
   for (const OneSidedRow& row : mass_.one_sided) {
     const bool right = row.row > middle_, ahead = row.leftwards == right;
     rows_.push_back({row.row, row.column(1), row.column(2), ahead});

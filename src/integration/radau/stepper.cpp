@@ -59,6 +59,7 @@ class Stepper final : public LegStepper {
   void begin_run(std::vector<std::size_t> sampled_entries) override {
     entries_ = std::move(sampled_entries);
     sampled_.resize(entries_.size());
+    selected_.reserve(entries_.size());
     for (auto& points : points_) points.resize(entries_.size());
   }
 
@@ -200,7 +201,6 @@ class Stepper final : public LegStepper {
 
   // The new state, and the error in multiples of what is allowed.
   double attempt(double h) {
-    const Formula& formula = Formula::get();
     h_ = h;
     if (factorised_ != h) {
       systems_.factorise(h);

@@ -79,6 +79,7 @@ Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, 
     auto values = std::make_unique<BarValues>(layout);
     Reader read(layout, system, run.scene);
     std::vector<double> changes;
+    changes.reserve(std::min<std::size_t>(layout.most_changes, 16));
     Observers observers;
     observers.off_the_clock = false;
     observers.reactions = layout.reactions;
