@@ -84,6 +84,7 @@ void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
 void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   assert(matrix.off_diagonal.size() + 1 == n);
+  patches_.reserve(matrix.one_sided.size());
   auto row = matrix.one_sided.begin();
   const auto rows_end = matrix.one_sided.end();
   auto tie = matrix.ties.begin();
@@ -145,14 +146,14 @@ inline void sweep_back(const double* lower, const double* inverse_pivot, double*
   double carried = x[top];
   std::size_t i = top;
   for (; i >= bottom + 4; i -= 4) {
-    const double m0 = -lower[i - 1], m1 = -lower[i - 2], m2 = -lower[i - 3], m3 = -lower[i - 4];
-    const double b0 = x[i - 1] * inverse_pivot[i - 1], b1 = x[i - 2] * inverse_pivot[i - 2] + m1 * b0;
-    const double b2 = x[i - 3] * inverse_pivot[i - 3] + m2 * b1, b3 = x[i - 4] * inverse_pivot[i - 4] + m3 * b2;
-    const double m10 = m1 * m0, m210 = m2 * m10;
-    x[i - 1] = b0 + m0 * carried;
-    x[i - 2] = b1 + m10 * carried;
-    x[i - 3] = b2 + m210 * carried;
-    x[i - 4] = carried = b3 + (m3 * m210) * carried;
+    const double l0 = lower[i - 1], l1 = lower[i - 2], l2 = lower[i - 3], l3 = lower[i - 4];
+    const double b0 = x[i - 1] * inverse_pivot[i - 1], b1 = x[i - 2] * inverse_pivot[i - 2] - l1 * b0;
+    const double b2 = x[i - 3] * inverse_pivot[i - 3] - l2 * b1, b3 = x[i - 4] * inverse_pivot[i - 4] - l3 * b2;
+    const double l10 = l1 * l0, l210 = l2 * l10;
+    x[i - 1] = b0 - l0 * carried;
+    x[i - 2] = b1 + l10 * carried;
+    x[i - 3] = b2 - l210 * carried;
+    x[i - 4] = carried = b3 + (l3 * l210) * carried;
   }
   while (i-- > bottom) x[i] = carried = x[i] * inverse_pivot[i] - lower[i] * carried;
 }
@@ -181,21 +182,23 @@ void TridiagonalFactor::substitute_patched(std::span<double> x) const {
   sweep(0);
 }
 
-// Takes x_from from what follows, up to x_to. The recurrence is y_i = b_i + m_i y_{i-1}. Four terms of it are condensed
+// Takes x_from from what follows, up to x_to. The recurrence is y_i = b_i - l_i y_{i-1}. Four terms of it are condensed
 // without waiting for y_{i-1}, so that one multiplication in four is on the chain of dependencies.
-void TridiagonalFactor::sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const {
+inline void TridiagonalFactor::sweep_forward(std::span<double> of, std::size_t from, std::size_t to) const {
+  const double* const lower = lower_.data();
+  double* const x = of.data();
   double carried = x[from];
   std::size_t i = from + 1;
   for (; i + 3 <= to; i += 4) {
-    const double m0 = -lower_[i - 1], m1 = -lower_[i], m2 = -lower_[i + 1], m3 = -lower_[i + 2];
-    const double b0 = x[i], b1 = x[i + 1] + m1 * b0, b2 = x[i + 2] + m2 * b1, b3 = x[i + 3] + m3 * b2;
-    const double m10 = m1 * m0, m210 = m2 * m10;
-    x[i] = b0 + m0 * carried;
-    x[i + 1] = b1 + m10 * carried;
-    x[i + 2] = b2 + m210 * carried;
-    x[i + 3] = carried = b3 + (m3 * m210) * carried;
+    const double l0 = lower[i - 1], l1 = lower[i], l2 = lower[i + 1], l3 = lower[i + 2];
+    const double b0 = x[i], b1 = x[i + 1] - l1 * b0, b2 = x[i + 2] - l2 * b1, b3 = x[i + 3] - l3 * b2;
+    const double l10 = l1 * l0, l210 = l2 * l10;
+    x[i] = b0 - l0 * carried;
+    x[i + 1] = b1 + l10 * carried;
+    x[i + 2] = b2 - l210 * carried;
+    x[i + 3] = carried = b3 + (l3 * l210) * carried;
   }
-  for (; i <= to; ++i) x[i] = carried = x[i] - lower_[i - 1] * carried;
+  for (; i <= to; ++i) x[i] = carried = x[i] - lower[i - 1] * carried;
 }
 
 void TridiagonalFactor::solve(std::span<double> x) const {

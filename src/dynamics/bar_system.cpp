@@ -45,6 +45,12 @@ void forces_between(double left, double right, std::span<double> out, auto&& str
   if (last > 0) force[last] = right - stress(last - 1);
 }
 
+// The block of the unknowns from `begin` to `end`, mostly all of them.
+void factorise_block(TridiagonalFactor& factor, const BandedMatrix& matrix, std::size_t begin, std::size_t end) {
+  if (begin == 0 && end == matrix.size()) return factor.factorise(matrix);
+  factor.factorise(restrict_to(matrix, begin, end - begin));
+}
+
 double uniform_stiffness_diagonal(const BarSystem& system, std::size_t i) {
   const bool bare_left = i == 0 && !system.left_fixed();
   const bool bare_right = i + 1 == system.size() && !system.right_fixed();
@@ -100,7 +106,7 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   inertia_ = restrict_to(whole_inertia_, first, n);
   for (const bool right : {false, true})
     if (walls_[right]) held_rows_[right] = whole_inertia_.end_row(right);
-  massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
+  factorise_block(massive_factor_, inertia_, massive_begin(), massive_end());
 
   const auto bound = [&](std::size_t unknown, const std::optional<Obstacle>& obstacle, double weight, Where where) {
     if (!obstacle) return;
@@ -238,7 +244,7 @@ void BarSystem::add_masses() {
     inertia_.diagonal[support.unknown] += support.mass;
     whole_inertia_.diagonal[support.unknown + first_node()] += support.mass;
   }
-  massive_factor_.factorise(restrict_to(inertia_, massive_begin(), massive_end() - massive_begin()));
+  factorise_block(massive_factor_, inertia_, massive_begin(), massive_end());
   if (moving()) enter_frame();
 }
 

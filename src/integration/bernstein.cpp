@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "discretisation/dense.hpp"
@@ -62,9 +63,17 @@ Bernstein Bernstein::through(std::span<const double> samples) {
   Bernstein p;
   p.degree_ = samples.size() - 1;
   const OfSamples& of = coefficients_of_samples(p.degree_);
-  Padded sum = of[0] * samples[0];
-  for (std::size_t j = 1; j < samples.size(); ++j) sum += of[j] * samples[j];
-  Padded::Map(p.c_.data()) = sum;
+  // Sums of their own, which stay in registers.
+  using Four = Eigen::Array4d;
+  const auto part = [&](std::size_t j, Eigen::Index k) { return Four::Map(of[j].data() + 4 * k) * samples[j]; };
+  Four a = part(0, 0), b = part(0, 1), c = part(0, 2), d = part(0, 3);
+  for (std::size_t j = 1; j < samples.size(); ++j) {
+    a += part(j, 0);
+    b += part(j, 1);
+    c += part(j, 2);
+    d += part(j, 3);
+  }
+  for (const auto& [k, sum] : {std::pair{0, &a}, {4, &b}, {8, &c}, {12, &d}}) Four::Map(p.c_.data() + k) = *sum;
   return p;
 }
 
@@ -205,7 +214,11 @@ double Bernstein::smallest(double known) const {
 }
 
 std::optional<double> Bernstein::first_descent(double threshold, double finest, double before) const {
-  require_finite({c_.data(), degree_ + 1});
+  // Mostly nothing descends: that is told before anything is copied.
+  double sum = c_[0], least = c_[0];
+  for (std::size_t j = 1; j <= degree_; ++j) sum += c_[j], least = std::min(least, c_[j]);
+  if (!std::isfinite(sum)) throw not_finite();
+  if (least >= threshold) return std::nullopt;
   return descend({c_, 0.0, 1.0}, degree_, threshold, finest, before);
 }
 

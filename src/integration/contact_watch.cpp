@@ -240,11 +240,7 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
     end.stored = stored(end, values);
     end.shut = closed(end);
   }
-}
-
-bool ContactWatch::idle() const {
-  return !extremes_ && !span_.closed() && !joints_.closed() &&
-         std::ranges::none_of(ends_, [this](const End& end) { return closed(end); });
+  idle_ = !extremes_ && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, &End::shut);
 }
 
 bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,

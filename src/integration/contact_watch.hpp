@@ -143,7 +143,7 @@ class ContactWatch {
   void begin(double t, std::span<const double> u, std::span<const double> w);
 
   /// True if the motion does not matter as long as the contacts are as they are.
-  bool idle() const;
+  bool idle() const { return idle_; }
   /// True if the ends and what is closed there are springs or nothing, so that bounds of entries bound them.
   bool springs() const { return springs_; }
   /// True if such ends stay in the ranges that they have been in but for the end of a step, and their reactions below
@@ -275,7 +275,7 @@ class ContactWatch {
   const Contacts& contacts_;
   const ActingLoad& load_;
   const BarSystem& bar_;
-  bool extremes_, apart_, springs_ = false;
+  bool extremes_, apart_, springs_ = false, idle_ = false;
   std::vector<End> ends_;
   SpanForce span_;
   JointForces joints_;

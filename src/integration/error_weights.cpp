@@ -18,6 +18,8 @@ Allowance allowance(const Tolerance& tolerance, const BarSystem& system, double 
 
 namespace {
 
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
 double largest(std::span<const double> x) {
   return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size())).abs().maxCoeff();
 }
@@ -61,14 +63,26 @@ double ErrorWeights::negligible_reaction(double h) const {
 
 double ErrorWeights::promised_energy() const { return inertia_ * largest_w_ * promised_velocity(); }
 
-void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
+void ErrorWeights::notice(std::span<const double> y) {
   largest_u_ = std::max(largest_u_, system_.contacts().origin().largest_displacement(y.first(layout_.nodes)));
   largest_w_ = std::max(largest_w_, largest(y.subspan(layout_.nodes, layout_.nodes)));
-  // Below a few units of rounding no step could pass.
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  const double relative = std::max(tolerance_.relative / tightening_, 16.0 * epsilon);
-  std::ranges::fill(layout_.u(weights), 1.0 / (relative * largest_u_ + absolute_.displacement / tightening_));
-  const double of_velocity = std::max(relative * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
+}
+
+// Below a few units of rounding no step could pass.
+double ErrorWeights::relative() const { return std::max(tolerance_.relative / tightening_, 16.0 * epsilon); }
+
+double ErrorWeights::weight_of_displacement() const {
+  return 1.0 / (relative() * largest_u_ + absolute_.displacement / tightening_);
+}
+
+double ErrorWeights::resolved_w() const {
+  return std::max(relative() * largest_w_ + absolute_.velocity / tightening_, 4.0 * passed_over_);
+}
+
+void ErrorWeights::fill(std::span<const double> y, std::span<double> weights) {
+  notice(y);
+  std::ranges::fill(layout_.u(weights), weight_of_displacement());
+  const double of_velocity = resolved_w();
   for (std::size_t i = 0; i < system_.contacts().size(); ++i)
     if (const double rate = system_.contacts().closed(i) ? system_.contacts()[i].rate : 0.0; rate > 0.0) {
       for (std::size_t node = system_.contacts()[i].unknown, last = node - (system_.contacts()[i].joint > 0 ? 1 : 0);;

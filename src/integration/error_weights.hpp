@@ -56,6 +56,10 @@ class ErrorWeights {
 
   /// `weights` are those of the last call, or 0.
   void fill(std::span<const double> y, std::span<double> weights);
+  /// Takes the state into the maxima, and no more: for a method that asks for the two weights of the fields alone.
+  void notice(std::span<const double> y);
+  double weight_of_displacement() const;                            ///< of u, but where a spring has its own
+  double weight_of_velocity() const { return 1.0 / resolved_w(); }  ///< of w with mass
   /// The local tolerance is the requested one divided by what errors accumulate to after that many contact changes.
   void tighten(std::size_t changes) {
     if (tolerance_.control == ErrorControl::global)
@@ -97,6 +101,8 @@ class ErrorWeights {
 
  private:
   double viscous_tolerance() const;  // of (eta/E) w
+  double relative() const;           // tolerance of a step
+  double resolved_w() const;         // what w may be wrong by
   struct OfDerivative {
     double relative_scale = 0.0, largest_u = 0.0, largest_w = 0.0;
     static void members(auto& of, auto&& each) { each(of.relative_scale, of.largest_u, of.largest_w); }

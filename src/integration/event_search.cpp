@@ -34,6 +34,8 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
       samples_(count_),
       state_(size),
       pulls_(count_) {
+  first_.reserve(count_ + 1);
+  entries_.reserve(4 * count_);  // of an end
   for (std::size_t i = 0; i < count_; ++i) {
     first_.push_back(entries_.size());
     for (const std::size_t entry : indicators_.entries(i)) entries_.push_back(entry);
@@ -66,6 +68,7 @@ void EventSearch::share(std::size_t sampled) {
   highest_.resize(sampled);
   last_.resize(sampled);
   near_.resize(sampled);
+  rated_.reserve(sampled);
   std::iota(near_.begin(), near_.end(), std::size_t{0});
   if (contacts_.collides()) values_.resize(sampled);
 }

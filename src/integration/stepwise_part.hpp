@@ -154,6 +154,7 @@ class StepwisePart {
       ends_->ask_for(entries);
     }
     search_.share(entries.size());
+    selected_.reserve(entries.size());
     stepper_.begin_run(std::move(entries));
     if (sensitivities_) {
       if (!checkpoint) statistics_.sensitivity.emplace();

@@ -126,9 +126,13 @@ class Run {
     return share;
   }
 
-  // Those of the load at t_{n+1}, u^{n+1} being known.
-  void pass_breaks() {
-    if (begun_.empty() && next_break_ == std::numeric_limits<double>::infinity()) return;
+  // Those of the load at t_{n+1}, u^{n+1} being known. What a step does and mostly has nothing to do is asked for in
+  // its loop: at few nodes calls cost as much as the arithmetic.
+  [[gnu::always_inline]] void pass_breaks() {
+    if (next_break_ < std::numeric_limits<double>::infinity() || !begun_.empty()) pass_breaks_before();
+  }
+
+  [[gnu::noinline]] void pass_breaks_before() {
     const double t = time(n_ + 1);
     if (begun_.empty() && next_break_ > t + ahead()) return;
     for (const auto& [at, share] : std::exchange(begun_, {})) pass_break(at, share);
@@ -316,11 +320,13 @@ class Run {
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at
   // the last one, with the velocity after; the openings of a step are earlier than its closings.
-  void find_events(std::size_t n) {
+  [[gnu::always_inline]] void find_events(std::size_t n) {
     ++statistics_.event_evaluations;
-    bool changed = false;
-    for (std::size_t k = 0; k < active_.size(); ++k) changed |= active_[k] != was_active_[k];
-    if (!changed) return;
+    for (std::size_t k = 0, count = active_.size(); k < count; ++k)
+      if (active_[k] != was_active_[k]) return tell_changes(n);
+  }
+
+  [[gnu::noinline]] void tell_changes(std::size_t n) {
     const auto &contacts = step_->contacts(), &stored = step_->stored_contacts();
     const double dt = scheme_.step;
     const auto mass = [&](std::size_t k) {
@@ -359,9 +365,11 @@ class Run {
 
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
-    for (std::size_t k = 0; k < step_->contacts().size(); ++k)
-      statistics_.max_penetration = std::max(
-          statistics_.max_penetration, -step_->clearance(k, time(n_ + 1), step_->stored_contacts()[k].of(step_->u())));
+    const std::span<const double> u = step_->u();
+    double deepest = statistics_.max_penetration;
+    for (std::size_t k = 0, count = active_.size(); k < count; ++k)
+      deepest = std::max(deepest, -step_->clearance(k, time(n_ + 1), step_->stored_contacts()[k].of(u)));
+    statistics_.max_penetration = deepest;
   }
 
   bool take_checkpoint(double t) {

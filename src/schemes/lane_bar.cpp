@@ -152,7 +152,11 @@ LaneFactor LaneBar::factor(const BarSystem& system, const BandedMatrix& matrix) 
   return LaneFactor(matrix, scale_of(system), kept);
 }
 
-LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order) : system_(system), order_(order) {
+LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
+    : system_(system),
+      order_(order),
+      scale_(scale_of(system)),
+      relaxation_(system.bar().viscosity / system.bar().modulus) {
   if (system.rows_alike() || order.rows == 0) return;
   const std::size_t elements = system.mesh().elements;
   bool alike = true;
@@ -208,7 +212,7 @@ LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const 
 template <class Stress>
 void LaneBar::interface_forces(const Stress& stress, std::array<double, 2> walls, std::span<const double> load,
                                std::span<double> interface) const {
-  const double scale = scale_of(system_);
+  const double scale = scale_;
   double* const stresses = stresses_.data();
   const std::size_t last = edges_.size() - 1;
   for (std::size_t e = 1; e < last; ++e) stresses[e] = stress.nodes(edges_[e].i, edges_[e].j, e);
@@ -246,7 +250,7 @@ void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, s
     }
     return difference;
   };
-  with_load(order_, scale_of(system_), load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
+  with_load(order_, scale_, load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
 }
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
@@ -259,7 +263,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     for (std::size_t i = 0; i < load.size(); ++i) force[i] += load[i];
     return;
   }
-  const double relaxation = system_.bar().viscosity / system_.bar().modulus, scale = scale_of(system_);
+  const double relaxation = relaxation_, scale = scale_;
   const std::size_t n = order_.size;
   const std::optional<double>&left_end = system_.wall(false), &right_end = system_.wall(true);
   const auto pull_of_supports = [&] {
@@ -270,7 +274,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   if (alike) {
     const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
     const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
-    const auto run = [&](const auto& stress) {
+    const auto run = [&](const auto& stress) __attribute__((always_inline)) {
       if (order_.rows == 0)
         forces_in_order(stress, scale, left, right, load, interface);
       else

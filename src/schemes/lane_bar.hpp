@@ -52,6 +52,7 @@ class LaneBar {
 
   const BarSystem& system_;
   const LaneOrder& order_;
+  double scale_, relaxation_;  // of stresses: E / h, or E; eta / E
   // Where elements are not alike: int dx / A of elasticity, and of viscosity where it is another.
   Weights elastic_, viscous_;
   std::vector<Edge> edges_;               // rising; of a node of the interface the one before and the one behind

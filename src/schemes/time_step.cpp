@@ -39,6 +39,17 @@ BandedMatrix step_matrix(const BarSystem& system, double dt) {
 
 }  // namespace
 
+// Small functions that every step calls are inlined: at few nodes calls cost as much as they do.
+
+[[gnu::always_inline]] inline void TimeStep::keep_within(std::size_t k) {
+  const auto& [unknown, sign] = std::pair(stored_[k].unknown, stored_[k].sign);
+  double& u = u_[unknown];
+  if (stored_[k].joint > 0)
+    u = u_[unknown - 1] + std::max(stored_[k].of(u_), lower_[k]);
+  else
+    u = sign * std::max(sign * u, lower_[k]);
+}
+
 TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
                    std::optional<double> end)
     : system_(system),
@@ -52,12 +63,14 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       contacts_(bounded_nodes(system.contacts())),
       stored_(contacts_),
       obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.moves(one); })),
+      bounds_stay_(!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
     solver_.emplace<SpanConstraint>(step_matrix(system, dt_));
     for (std::vector<double>* values : {&interface_, &span_lower_, &span_upper_, &span_reaction_})
       values->resize(system.size());
     span_active_.resize(contacts_.size());
+    active_ = span_active_;
   } else {
     const BandedMatrix& condensed = factor_.condensed();
     interface_.resize(condensed.size());
@@ -67,7 +80,8 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       ends.push_back({i, contact.sign, contact.joint > 0});
       contact.unknown = order_.stored(i);
     }
-    solver_.emplace<EndConstraint>(condensed, ends);
+    ends_ = &solver_.emplace<EndConstraint>(condensed, ends);
+    active_ = ends_->active();
     solves_ = ends.size();
   }
   if (system.loaded()) load_.emplace(system, dt_);
@@ -108,15 +122,6 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     u_[i] += dt_ * p_[i];
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) keep_within(k);
-}
-
-void TimeStep::keep_within(std::size_t k) {
-  const auto& [unknown, sign] = std::pair(stored_[k].unknown, stored_[k].sign);
-  double& u = u_[unknown];
-  if (stored_[k].joint > 0)
-    u = u_[unknown - 1] + std::max(stored_[k].of(u_), lower_[k]);
-  else
-    u = sign * std::max(sign * u, lower_[k]);
 }
 
 void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::span<const double> bound,
@@ -196,14 +201,13 @@ void TimeStep::settle_massless(const Contact& contact, std::size_t next, double 
 void TimeStep::restored() {
   eliminated_ = false;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) span->restored();
-  if (auto* ends = std::get_if<EndConstraint>(&solver_)) ends->restored(reaction_);
+  if (ends_) ends_->restored(reaction_);
 }
 
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
 void TimeStep::bound_contacts(double t) {
-  if (!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman) {
-    if (t <= begin_)  // they stay
-      for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
+  if (bounds_stay_) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k) lower_[k] = -contacts_[k].gap;
     return;
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -221,11 +225,26 @@ void TimeStep::bound_contacts(double t) {
   }
 }
 
+// Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
+inline void TimeStep::solve(double lever) {
+  for (std::size_t k = 0, count = bound_.size(); k < count; ++k)
+    bound_[k] = (least_velocity(k) - stored_[k].sign * stored_[k].of(p_)) / lever;
+  if (!ends_) {
+    system_.internal_force(u_, p_, interface_);
+    for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
+    return solve_span(std::get<SpanConstraint>(solver_), interface_, bound_, a_, reaction_);
+  }
+  bar_.eliminate_force(factor_, u_, p_, load_now_, a_, interface_);
+  eliminated_ = true;
+  ++solves_;
+  ends_->solve(interface_, bound_, reaction_);
+}
+
 void TimeStep::balance(double t) {
   std::swap(a_, before_);
   std::swap(reaction_, reaction_before_);
-  if (load_) evaluate_load(t);
-  bound_contacts(t);
+  if (!load_stays()) evaluate_load(t);
+  if (!bounds_stay_) bound_contacts(t);
   solve(dt_);
 }
 
@@ -260,28 +279,12 @@ std::span<const double> TimeStep::load_over_step(double t) {
 }
 
 void TimeStep::evaluate_load(double t) {
-  if (!load_) return;
-  if (load_->steady() && load_evaluations_ > 0) return;
+  if (load_stays()) return;
   ++load_evaluations_;
   load_now_ = load_over_step(t);
   if (order_.rows == 0) return;
   order_.from_nodes(load_now_, fields_[4]);
   load_now_ = fields_[4];
-}
-
-// Finds a at the interface and lambda such that s (u + dt (p + lever a)) lies above lower_.
-void TimeStep::solve(double lever) {
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    bound_[k] = (least_velocity(k) - stored_[k].sign * stored_[k].of(p_)) / lever;
-  if (auto* span = std::get_if<SpanConstraint>(&solver_)) {
-    system_.internal_force(u_, p_, interface_);
-    for (std::size_t i = 0; i < load_now_.size(); ++i) interface_[i] += load_now_[i];
-    return solve_span(*span, interface_, bound_, a_, reaction_);
-  }
-  bar_.eliminate_force(factor_, u_, p_, load_now_, a_, interface_);
-  eliminated_ = true;
-  ++solves_;
-  std::get<EndConstraint>(solver_).solve(interface_, bound_, reaction_);
 }
 
 // Second sweep; `use(i, a)` sees every node, or row of nodes, stored at i.
@@ -331,9 +334,9 @@ void TimeStep::advance_in_order() {
 }
 
 void TimeStep::advance() {
-  const std::span<const unsigned char> held = active();
+  const std::span<const unsigned char> held = active_;
   // The velocity of a held node from its displacements, so that rest is exact and not rounding's motion.
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
+  for (std::size_t k = 0; k < held.size(); ++k)
     if (held[k]) bound_[k] = least_velocity(k);
   if (eliminated_ && order_.rows == 0)
     advance_in_order();
@@ -341,27 +344,19 @@ void TimeStep::advance() {
     substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
     for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = stored_[k].unknown;
+  for (std::size_t k = 0; k < held.size(); ++k) {
     if (!held[k]) {
       keep_within(k);
       continue;
     }
+    const std::size_t i = stored_[k].unknown;
     const bool of_joint = contacts_[k].joint > 0;
     p_[i] = of_joint ? p_[i - 1] + bound_[k] : contacts_[k].sign * bound_[k];
     u_[i] = of_joint ? u_[i - 1] + lower_[k] : contacts_[k].sign * lower_[k];
   }
 }
 
-std::span<const unsigned char> TimeStep::active() const {
-  if (std::holds_alternative<SpanConstraint>(solver_)) return span_active_;
-  return std::get<EndConstraint>(solver_).active();
-}
-
-bool TimeStep::finite() const {
-  if (std::holds_alternative<SpanConstraint>(solver_)) return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0));
-  return std::isfinite(interface_.front()) && std::isfinite(interface_.back());
-}
+bool TimeStep::finite_over_span() const { return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0)); }
 
 std::size_t TimeStep::linear_solves() const {
   const auto* span = std::get_if<SpanConstraint>(&solver_);

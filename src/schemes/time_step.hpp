@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <variant>
@@ -78,7 +79,9 @@ class TimeStep {
   std::span<const double> start_impulse() const { return start_impulse_; }
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n >= 0, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
-  std::span<const unsigned char> active() const;  ///< of each contact: true if its bound holds u^{n+1}
+  std::span<const unsigned char> active() const {
+    return active_;
+  }  ///< of each contact: true if its bound holds u^{n+1}
 
   /// (M f)_e of a fixed end.
   double load_held(double t, bool right) const { return load_ ? load_->at_held(t, right) : 0.0; }
@@ -86,13 +89,17 @@ class TimeStep {
   std::span<const double> load() const { return load_now_; }
 
   /// True if a^n is finite; one value that is not spreads over the nodes that are solved for together.
-  bool finite() const;
+  bool finite() const {
+    return ends_ ? std::isfinite(interface_.front()) && std::isfinite(interface_.back()) : finite_over_span();
+  }
 
   std::size_t linear_solves() const;
   std::size_t factorisations() const;
   std::size_t load_evaluations() const { return load_evaluations_; }
 
  private:
+  bool finite_over_span() const;
+  bool load_stays() const { return !load_ || (load_->steady() && load_evaluations_ > 0); }
   void evaluate_load(double t);
   void enter_load(double t);
   std::span<const double> load_over_step(double t);
@@ -122,8 +129,10 @@ class TimeStep {
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
   std::vector<double> mean_;
   std::vector<Contact> contacts_, stored_;
-  bool obstacles_move_;
+  bool obstacles_move_, bounds_stay_;  // the latter: lower_ is that of the start
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
+  EndConstraint* ends_ = nullptr;          // the solver, but under a span obstacle
+  std::span<const unsigned char> active_;  // of it
   LaneFields fields_;
   std::span<double> u_ = fields_[0], p_ = fields_[1], a_ = fields_[2], before_ = fields_[3];
   std::vector<double> interface_;  // a^n there; under a span obstacle the force

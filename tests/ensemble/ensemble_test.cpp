@@ -48,6 +48,24 @@ TEST(Ensemble, IsTheSameBitForBitInAnyBatchAndOnAnyNumberOfThreads) {
   for (std::size_t i = 0; i < of_part.bars; ++i) expect_same(of_part, i, one, one.bars - 1 - i);
 }
 
+TEST(Ensemble, FinalIsTheStateOfAllNodesAtTheEndSideBySideAndAlone) {
+  TextEnsemble made{thrown, {"left.gap"}, {{0.1, 0.15, 0.2}}};
+  EnsembleStudy study = made.study();
+  study.outputs = {"peak_left", "final", "u_left@3", "u_right@3"};
+  study.error = 1e-3;
+  for (const bool lanes : {true, false}) {
+    study.lanes = lanes;
+    const EnsembleResult found = ensemble(study);
+    ASSERT_EQ(found.outputs[1].shape, (std::vector<std::size_t>{2, 25}));
+    for (std::size_t i = 0; i < found.bars; ++i) {
+      const std::span<const double> all = std::span(found.values[1]).subspan(50 * i, 50);
+      for (const double value : all) EXPECT_TRUE(std::isfinite(value)) << lanes << i;
+      EXPECT_EQ(all[0], found.values[2][2 * i + 1]) << lanes << i;
+      EXPECT_EQ(all[24], found.values[3][2 * i + 1]) << lanes << i;
+    }
+  }
+}
+
 // The truth is the same semi-discrete bar by rigid at 1e-10. Of 10,000 bars 1 % lie above their estimate, 2 above
 // three times it (measure_ensemble errors 100 5).
 TEST(Ensemble, ErrorsOfRandomBarsLieWithinThreeTimesTheirEstimates) {

@@ -20,6 +20,16 @@ inline Lanes load_lanes(const double* x) {
   return loaded;
 }
 inline void store_lanes(const Lanes& stored, double* x) { std::memcpy(x, &stored, sizeof stored); }
+/// Entry j of vector i becomes entry i of vector j.
+[[gnu::always_inline]] inline std::array<Lanes, lanes> transposed(const std::array<Lanes, lanes>& of) {
+  static_assert(lanes == 4);
+  const Lanes a = __builtin_shufflevector(of[0], of[1], 0, 4, 2, 6),
+              b = __builtin_shufflevector(of[0], of[1], 1, 5, 3, 7);
+  const Lanes c = __builtin_shufflevector(of[2], of[3], 0, 4, 2, 6),
+              d = __builtin_shufflevector(of[2], of[3], 1, 5, 3, 7);
+  return {__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+          __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
+}
 using Parts = std::array<double, parts>;  ///< of the poles: real parts, then imaginary parts
 /// At theta = j / stages, j = 0 .. stages. What is behind it is 0 and makes whole vectors of it.
 using Samples = Eigen::Array<double, 2 * stages, 1>;

@@ -14,16 +14,19 @@ inline Complex reciprocal(const Complex& a) {
 }
 
 // 0 where rounding can explain them.
-void sum_rows(const BandedMatrix& matrix, const std::vector<unsigned char>& held, std::vector<double>& sums) {
+void sum_rows(const BandedMatrix& matrix, const std::vector<std::size_t>& held, std::vector<double>& sums) {
   const std::size_t n = matrix.size();
-  sums.assign(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (held[i]) continue;
-    double sum = matrix.diagonal[i];
-    if (i > 0) sum += matrix.off_diagonal[i - 1];
-    if (i + 1 < n) sum += matrix.off_diagonal[i];
-    if (std::abs(sum) > 8.0 * std::numeric_limits<double>::epsilon() * matrix.diagonal[i]) sums[i] = sum;
-  }
+  sums.resize(n);
+  const double *const diagonal = matrix.diagonal.data(), *const off = matrix.off_diagonal.data();
+  double* const out = sums.data();
+  const auto known = [diagonal](std::size_t i, double sum) {
+    return std::abs(sum) > 8.0 * std::numeric_limits<double>::epsilon() * diagonal[i] ? sum : 0.0;
+  };
+  out[0] = known(0, diagonal[0] + off[0]);
+#pragma GCC ivdep
+  for (std::size_t i = 1; i < n - 1; ++i) out[i] = known(i, diagonal[i] + off[i - 1] + off[i]);
+  out[n - 1] = known(n - 1, diagonal[n - 1] + off[n - 2]);
+  for (const std::size_t i : held) out[i] = 0.0;
 }
 
 inline Complex nothing() { return {Lanes{}, Lanes{}}; }
@@ -43,11 +46,16 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
   flag_rows(system.bar());
   for (std::size_t i = 0; i < held_.size(); ++i) {
     held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
-    if (held_[i]) stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0, held_nodes_.push_back(i);
+    if (!held_[i]) continue;
+    stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
+    held_nodes_.push_back(i);
+    flags_[i] |= held;
   }
+  find_pairs();
+  take_ratios();
   if (const SideRows* side = system.bar().side()) return sum_rows_beside(system.bar(), *side);
-  sum_rows(stiffness_, held_, bound_);
-  sum_rows(damping_, held_, dashed_);
+  sum_rows(stiffness_, held_nodes_, bound_);
+  sum_rows(damping_, held_nodes_, dashed_);
 }
 
 // The sums of the side's rows apart, which are as small beside E/h as those of the inertia.
@@ -57,7 +65,7 @@ void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side)
     BandedMatrix bare = drag ? damping_ : stiffness_;
     side.add_to(bare, first, drag ? -1.0 : 0.0, drag ? 0.0 : -1.0);
     std::vector<double>& sums = drag ? dashed_ : bound_;
-    sum_rows(bare, held_, sums);
+    sum_rows(bare, held_nodes_, sums);
     const auto coefficient = [&](std::size_t j) {
       return j < first || j - first >= n ? 0.0 : drag ? -side.drag(j) : -side.stiffness(j);
     };
@@ -86,8 +94,11 @@ void ShiftedSystems::flag_rows(const BarSystem& bar) {
   middle_ = middle_of(bar.inertia()).value();
   beyond_.resize(mass_.one_sided.size());
   flags_.assign(n, 0);
+  rows_.clear();
+  rows_.reserve(mass_.one_sided.size());
   for (const OneSidedRow& row : mass_.one_sided) {
     const bool right = row.row > middle_, ahead = row.leftwards == right;
+    rows_.push_back({row.row, row.column(1), row.column(2), ahead});
     flags_[row.row] |= ahead ? amended | goes_ahead : amended | goes_back;
     const std::size_t inwards = right ? row.row - 1 : row.row + 1, outwards = right ? row.row + 1 : row.row - 1;
     flags_[ahead ? inwards : outwards] |= amended;
@@ -95,13 +106,36 @@ void ShiftedSystems::flag_rows(const BarSystem& bar) {
   for (const std::size_t tie : mass_.ties) flags_[tie < middle_ ? tie : tie + 1] |= tied;
 }
 
+void ShiftedSystems::find_pairs() {
+  const std::size_t n = nodes_.size(), both = std::min(middle_, n - 1 - middle_);
+  for (unflagged_ = both; unflagged_ > 0; --unflagged_)
+    if (flags_[unflagged_ - 1] | flags_[n - unflagged_]) break;
+  alike_ = both;
+  if (unflagged_ == both) return;
+  const auto same = [like = both - 1](const BandedMatrix& of, std::size_t i, std::size_t off) {
+    return (of.diagonal[i] == of.diagonal[like]) & (of.off_diagonal[off] == of.off_diagonal[like]);
+  };
+  const auto alike = [&](std::size_t i, std::size_t off) {
+    return same(mass_, i, off) & same(damping_, i, off) & same(stiffness_, i, off);
+  };
+  while (alike_ > unflagged_ && alike(alike_ - 1, alike_ - 1) && alike(n - alike_, n - 1 - alike_)) --alike_;
+}
+
+void ShiftedSystems::take_ratios() {
+  const std::size_t n = nodes_.size();
+  damping_ratio_.resize(static_cast<Eigen::Index>(n));
+  stiffness_ratio_.resize(static_cast<Eigen::Index>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double inertia = mass_.diagonal[i];
+    damping_ratio_.data()[i] = inertia > 0.0 ? damping_.diagonal[i] / inertia : 0.0;
+    stiffness_ratio_.data()[i] = inertia > 0.0 ? stiffness_.diagonal[i] / inertia : 0.0;
+  }
+}
+
 void ShiftedSystems::factorise(double h) {
   h_ = h;
-  double largest = 0.0;  // of elasticity and damping, beside the inertia of the poles, which are some 10
-  for (std::size_t i = 0; i < nodes_.size(); ++i)
-    if (mass_.diagonal[i] > 0.0)
-      largest =
-          std::max(largest, (h * damping_.diagonal[i] + 0.1 * h * h * stiffness_.diagonal[i]) / mass_.diagonal[i]);
+  // Elasticity and damping, beside the inertia of the poles, which are some 10.
+  const double largest = std::max(0.0, (h * damping_ratio_ + 0.1 * h * h * stiffness_ratio_).maxCoeff());
   rounding_ = 300.0 * std::numeric_limits<double>::epsilon() * (1.0 + 0.1 * largest);
   const Coefficients at = coefficients();
   // Pointers of its own: what is stored could change those of vectors, for all that the compiler knows.
@@ -109,18 +143,18 @@ void ShiftedSystems::factorise(double h) {
   const Entries beside{mass_.off_diagonal.data(), damping_.off_diagonal.data(), stiffness_.off_diagonal.data()};
   const bool skew = !mass_.skew.empty() || !stiffness_.skew.empty();
   Node* const nodes = nodes_.data();
-  const unsigned char *const flags = flags_.data(), *const held = held_.data();
+  const unsigned char* const flags = flags_.data();
   const std::size_t n = nodes_.size(), middle = middle_;
   // Either end's elimination comes to node i, whose diagonal has lost that; `off` is the entry of it and the next one.
   const auto come = [=](std::size_t i, std::size_t off, const Complex& loss) __attribute__((always_inline)) {
     return Front{at(diagonal, i) - loss, at(beside, off), at(beside, off)};
   };
   // Takes node i out; gives what the diagonal of the next one loses.
-  const auto take_out = [=](std::size_t i, const Front& front) __attribute__((always_inline)) {
+  const auto take_out = [=](std::size_t i, const Front& front, const Complex& inverse) __attribute__((always_inline)) {
     Node& here = nodes[i];
-    here.inverse_pivot = held[i] ? nothing() : reciprocal(front.pivot);
-    here.towards = front.upper * here.inverse_pivot;
-    here.away = front.coupling * here.inverse_pivot;
+    here.inverse_pivot = inverse;
+    here.towards = front.upper * inverse;
+    here.away = front.coupling * inverse;
     return here.away * front.upper;
   };
   const auto give_to_next = [=](std::size_t i, const Front& front) -> Complex {
@@ -129,7 +163,7 @@ void ShiftedSystems::factorise(double h) {
     return nothing() - front.pivot;
   };
   // By value: an address that is given away would keep both eliminations in memory.
-  const auto pass = [&, at, flags](std::size_t i, std::size_t off, Complex loss) {
+  const auto pass = [&, at, flags ](std::size_t i, std::size_t off, Complex loss) __attribute__((noinline)) {
     Front front = come(i, off, loss);
     if (skew) {
       const auto of = [off](const BandedMatrix& matrix) { return matrix.skew.empty() ? 0.0 : matrix.skew[off]; };
@@ -137,50 +171,63 @@ void ShiftedSystems::factorise(double h) {
       front.upper = front.upper + lean;
       front.coupling = front.coupling - lean;
     }
-    if (flags[i] & amended) front = amended_front(front, i, at);
-    return flags[i] & tied ? give_to_next(i, front) : take_out(i, front);
+    if (flags[i] & amended) amend(front, i, at);
+    return flags[i] & tied ? give_to_next(i, front)
+                           : take_out(i, front, flags[i] & held ? nothing() : reciprocal(front.pivot));
   };
   const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
+  const std::size_t unflagged = skew ? both : unflagged_, alike = std::max(alike_, unflagged);
   Complex left = nothing(), right = nothing();
-  for (std::size_t j = 0; j < both; ++j) {
-    if (skew || (flags[j] | flags[n - 1 - j])) {
-      left = pass(j, j, left);
-      right = pass(n - 1 - j, n - 2 - j, right);
-      continue;
-    }
-    left = take_out(j, come(j, j, left));
-    right = take_out(n - 1 - j, come(n - 1 - j, n - 2 - j, right));
+  std::size_t j = 0;
+  for (; j < unflagged; ++j) {
+    left = pass(j, j, left);
+    right = pass(n - 1 - j, n - 2 - j, right);
   }
-  for (std::size_t j = both; j < middle; ++j) left = pass(j, j, left);
-  for (std::size_t j = both; j < right_count; ++j) right = pass(n - 1 - j, n - 2 - j, right);
-  nodes[middle].inverse_pivot = held[middle] ? nothing() : reciprocal(at(diagonal, middle) - left - right);
+  const auto go_on = [=](std::size_t i, const Front& front) __attribute__((always_inline)) {
+    return take_out(i, front, reciprocal(front.pivot));
+  };
+  for (; j < alike; ++j) {
+    left = go_on(j, come(j, j, left));
+    right = go_on(n - 1 - j, come(n - 1 - j, n - 2 - j, right));
+  }
+  const Complex own = j < both ? at(diagonal, j) : nothing(), next = j < both ? at(beside, j) : nothing();
+  for (; j < both; ++j) {
+    left = go_on(j, {own - left, next, next});
+    right = go_on(n - 1 - j, {own - right, next, next});
+  }
+  for (; j < middle; ++j) left = pass(j, j, left);
+  for (j = both; j < right_count; ++j) right = pass(n - 1 - j, n - 2 - j, right);
+  nodes[middle].inverse_pivot = flags[middle] & held ? nothing() : reciprocal(at(diagonal, middle) - left - right);
 }
 
 // Adds one-sided rows to node i and its neighbours. A row that goes ahead, where the elimination goes, has an entry
 // beyond the next node; of one that goes back the node before that is taken out.
-ShiftedSystems::Front ShiftedSystems::amended_front(Front front, std::size_t i, const Coefficients& at) {
-  const auto row_entry = [&](std::size_t r, std::size_t k) {
+void ShiftedSystems::amend(Front& front, std::size_t i, const Coefficients& at) {
+  const bool of_inertia = damping_.one_sided.empty() && stiffness_.one_sided.empty();
+  const auto row_entry = [&](std::size_t r, std::size_t k) -> Complex {
+    const double m = mass_.one_sided[r].entries[k];
+    if (of_inertia) return {at.of_mass.re * m, at.of_mass.im * m};
     const auto of = [&](const BandedMatrix& matrix) {
       return matrix.one_sided.empty() ? 0.0 : matrix.one_sided[r].entries[k];
     };
-    return at(of(mass_), of(damping_), of(stiffness_));
+    return at(m, of(damping_), of(stiffness_));
   };
-  for (std::size_t r = 0; r < beyond_.size(); ++r) {
-    const OneSidedRow& row = mass_.one_sided[r];
-    const bool right = row.row > middle_, ahead = row.leftwards == right;
-    if (row.row == i) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const RowBeside& row = rows_[r];
+    if (row.node == i) {
       front.pivot = front.pivot + row_entry(r, 0);
-      if (ahead) front.upper = front.upper + row_entry(r, 1), beyond_[r] = row_entry(r, 2);
-    } else if (ahead && i == row.column(1)) {
-      front.upper = front.upper - nodes_[row.row].away * beyond_[r];
-      beyond_[r] = beyond_[r] * nodes_[row.row].inverse_pivot;
-    } else if (!ahead && i == row.column(1)) {
-      const Node& out = nodes_[row.column(2)];
+      if (row.ahead) front.upper = front.upper + row_entry(r, 1), beyond_[r] = row_entry(r, 2);
+    } else if (row.next != i) {
+      continue;
+    } else if (row.ahead) {
+      front.upper = front.upper - nodes_[row.node].away * beyond_[r];
+      beyond_[r] = beyond_[r] * nodes_[row.node].inverse_pivot;
+    } else {
+      const Node& out = nodes_[row.beyond];
       front.coupling = front.coupling + row_entry(r, 1) - row_entry(r, 2) * out.towards;
       beyond_[r] = row_entry(r, 2) * out.inverse_pivot;
     }
   }
-  return front;
 }
 
 void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<double> out) const {
@@ -210,11 +257,8 @@ void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double
 
 // The right-hand side of node i less the share in its one-sided rows, back or ahead, of the node beyond the next one.
 Complex ShiftedSystems::less_beyond(std::size_t i, Flag rows, Complex at, std::span<const Complex> x) const {
-  for (std::size_t r = 0; r < beyond_.size(); ++r) {
-    const OneSidedRow& row = mass_.one_sided[r];
-    const bool ahead = row.leftwards == (row.row > middle_);
-    if (row.row == i && ahead == (rows == goes_ahead)) at = at - beyond_[r] * x[row.column(2)];
-  }
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    if (rows_[r].node == i && rows_[r].ahead == (rows == goes_ahead)) at = at - beyond_[r] * x[rows_[r].beyond];
   return at;
 }
 
@@ -224,37 +268,50 @@ void ShiftedSystems::substitute(const RightSide& right_side, std::span<Complex> 
   const Node* const nodes = nodes_.data();
   const unsigned char* const flags = flags_.data();
   Complex* const x = of.data();
-  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count);
+  const std::size_t right_count = n - 1 - middle, both = std::min(middle, right_count), unflagged = unflagged_;
   Complex left = right_side(0), right = right_side(n - 1);
   x[0] = left;
   x[n - 1] = right;
   // From the node `before`, which is further out, to node j.
-  const auto out =
-      [&, nodes, flags, x ](std::size_t j, std::size_t before, const Complex& last) __attribute__((always_inline)) {
-    Complex at = right_side(j) - nodes[before].away * last;
+  const auto out = [=](std::size_t j, std::size_t before, const Complex& last) __attribute__((always_inline)) {
+    return right_side(j) - nodes[before].away * last;
+  };
+  const auto out_flagged = [=, this](std::size_t j, std::size_t before, const Complex& last) {
+    Complex at = out(j, before, last);
     if (flags[j] & goes_back) at = less_beyond(j, goes_back, at, of);
     return x[j] = at;
   };
   std::size_t j = 1;
-  for (; j < both; ++j) {
-    left = out(j, j - 1, left);
-    right = out(n - 1 - j, n - j, right);
+  for (; j < unflagged; ++j) {
+    left = out_flagged(j, j - 1, left);
+    right = out_flagged(n - 1 - j, n - j, right);
   }
-  for (std::size_t i = j; i < middle; ++i) left = out(i, i - 1, left);
-  for (std::size_t i = j; i < right_count; ++i) right = out(n - 1 - i, n - i, right);
+  for (; j < both; ++j) {
+    x[j] = left = out(j, j - 1, left);
+    x[n - 1 - j] = right = out(n - 1 - j, n - j, right);
+  }
+  for (std::size_t i = j; i < middle; ++i) left = out_flagged(i, i - 1, left);
+  for (std::size_t i = j; i < right_count; ++i) right = out_flagged(n - 1 - i, n - i, right);
   left = right = x[middle] = nodes[middle].inverse_pivot *
                              (right_side(middle) - nodes[middle - 1].away * left - nodes[middle + 1].away * right);
-  const auto in = [&, nodes, flags, x ](std::size_t i, const Complex& last) __attribute__((always_inline)) {
-    Complex at = nodes[i].inverse_pivot * x[i] - nodes[i].towards * last;
+  const auto in = [=](std::size_t i, const Complex& last) __attribute__((always_inline)) {
+    return nodes[i].inverse_pivot * x[i] - nodes[i].towards * last;
+  };
+  const auto in_flagged = [=, this](std::size_t i, const Complex& last) {
+    Complex at = in(i, last);
     if (flags[i] & goes_ahead) at = less_beyond(i, goes_ahead, at, of);
     return x[i] = at;
   };
   std::size_t i = middle, k = middle + 1;
-  for (; i > both; --i) left = in(i - 1, left);
-  for (; n - k > both; ++k) right = in(k, right);
+  for (; i > both; --i) left = in_flagged(i - 1, left);
+  for (; n - k > both; ++k) right = in_flagged(k, right);
+  for (; i > unflagged; --i, ++k) {
+    x[i - 1] = left = in(i - 1, left);
+    x[k] = right = in(k, right);
+  }
   for (; i > 0; --i, ++k) {
-    left = in(i - 1, left);
-    right = in(k, right);
+    left = in_flagged(i - 1, left);
+    right = in_flagged(k, right);
   }
 }
 
@@ -293,21 +350,24 @@ void ShiftedSystems::solve(std::span<const double> force, std::span<const double
   const Formula& formula = Formula::get();
   const double h = h_;
   const Lanes re = -h * h * formula.inverse.re, im = -h * h * formula.inverse.im;
-  const auto unloaded = [&](std::size_t i) -> Complex {
-    return {re * stiff_rate[i] + h * force[i], im * stiff_rate[i]};
+  // Numbers of its own: what is stored could change those of spans, for all that the compiler knows.
+  const auto unloaded =
+      [ re,
+        im, h, rate = stiff_rate.data(), by = force.data() ](std::size_t i) __attribute__((always_inline))->Complex {
+    return {re * rate[i] + h * by[i], im * rate[i]};
   };
   if (!refines_) {
     if (loaded)
-      substitute([&](std::size_t i) { return unloaded(i) + x[i]; }, x);
+      substitute([=](std::size_t i) { return unloaded(i) + x[i]; }, x);
     else
       substitute(unloaded, x);
     return;
   }
   const std::size_t n = nodes_.size();
   for (std::size_t i = 0; i < n; ++i) right_[i] = loaded ? unloaded(i) + x[i] : unloaded(i);
-  substitute([&](std::size_t i) { return right_[i]; }, x);
+  substitute([right = right_.data()](std::size_t i) { return right[i]; }, x);
   for (std::size_t i = 0; i < n; ++i) correction_[i] = residual(i, right_[i], x);
-  substitute([&](std::size_t i) { return correction_[i]; }, correction_);
+  substitute([rest = correction_.data()](std::size_t i) { return rest[i]; }, correction_);
   for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + correction_[i];
 }
 

@@ -45,8 +45,14 @@ class ShiftedSystems {
   };
 
   // Flags of a node: something is to be done beside what each has; a one-sided row of it has been taken into account
-  // where it goes back, or is to be where it goes ahead; it is tied to the next one.
-  enum Flag : unsigned char { amended = 1, goes_back = 2, goes_ahead = 4, tied = 8 };
+  // where it goes back, or is to be where it goes ahead; it is tied to the next one; a contact holds it.
+  enum Flag : unsigned char { amended = 1, goes_back = 2, goes_ahead = 4, tied = 8, held = 16 };
+
+  // A one-sided row: its node, the two beside it, and whether the elimination goes to them.
+  struct RowBeside {
+    std::size_t node, next, beyond;
+    bool ahead;
+  };
 
   // An elimination that has come to a node.
   struct Front {
@@ -75,9 +81,11 @@ class ShiftedSystems {
   }
 
   void flag_rows(const BarSystem& bar);
+  void find_pairs();
+  void take_ratios();
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);
   void multiply_beside(std::span<const double> x, std::span<double> out) const;  // with a side that resists
-  [[gnu::noinline]] Front amended_front(Front front, std::size_t i, const Coefficients& at);
+  [[gnu::noinline]] void amend(Front& front, std::size_t i, const Coefficients& at);
   [[gnu::noinline]] Complex less_beyond(std::size_t i, Flag rows, Complex at, std::span<const Complex> x) const;
   template <class RightSide>
   void substitute(const RightSide& right_side, std::span<Complex> of) const;
@@ -87,12 +95,17 @@ class ShiftedSystems {
   std::vector<double> bound_, dashed_;  // sums of the rows of K and C: what binds a node to the ground
   bool refines_ = false;
   double rounding_ = 0.0;
+  Eigen::ArrayXd damping_ratio_, stiffness_ratio_;  // diagonals of C and K over that of M; 0 where a node is held
   std::vector<Complex> right_, correction_;
   std::vector<unsigned char> held_;
   std::vector<std::size_t> held_nodes_;
   std::vector<Node> nodes_;
   std::size_t middle_ = 0;
   std::vector<unsigned char> flags_;
+  std::vector<RowBeside> rows_;
+  // Both eliminations go through pairs of nodes, j and n - 1 - j. From one on none has a flag, and from another on all
+  // have the same entries.
+  std::size_t unflagged_ = 0, alike_ = 0;
   // One a one-sided row: U(r, r +- 2) over its pivot of one that goes ahead, L(r, r +- 2) of one that goes back.
   std::vector<Complex> beyond_;
   double h_ = 0.0;

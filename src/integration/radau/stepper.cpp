@@ -43,13 +43,15 @@ class Stepper final : public LegStepper {
         step_(run.times.back() - run.times.front()),
         begin_y_(layout_.size),
         end_y_(layout_.size),
-        weight_(layout_.size),
         force_(layout_.nodes),
         stiff_rate_(layout_.nodes),
         x_(layout_.nodes),
         inner_(layout_.account() > 0 ? layout_.size : 0) {
     if (system_.load().varies()) load_change_.resize(layout_.nodes), load_tail_.resize(layout_.nodes);
-    if (!run.derivatives.empty()) derivatives_.emplace(system_, layout_, run.derivatives);
+    if (!run.derivatives.empty()) {
+      derivatives_.emplace(system_, layout_, run.derivatives);
+      weight_.resize(layout_.size);
+    }
     inner_contacts_ =
         std::ranges::any_of(system_.bar().contacts(), [](const Contact& contact) { return !contact.at_end(); });
   }
@@ -57,6 +59,7 @@ class Stepper final : public LegStepper {
   void begin_run(std::vector<std::size_t> sampled_entries) override {
     entries_ = std::move(sampled_entries);
     sampled_.resize(entries_.size());
+    selected_.reserve(entries_.size());
     for (auto& points : points_) points.resize(entries_.size());
   }
 
@@ -80,7 +83,7 @@ class Stepper final : public LegStepper {
   double advance() override {
     std::swap(begin_y_, end_y_);
     begin_t_ = end_t_;
-    weights_.fill(begin_y_, weight_);
+    notice(begin_y_);
     for (;;) {
       const double h = next_length();
       const double error = attempt(h);
@@ -105,7 +108,7 @@ class Stepper final : public LegStepper {
     return std::span(end_y_).subspan(2 * layout_.nodes, layout_.account());
   }
 
-  void changes_at(std::span<const double> y) override { weights_.fill(y, weight_); }
+  void changes_at(std::span<const double> y) override { notice(y); }
 
   void interpolate(double t, std::span<double> y) override {
     if (t == end_t_ || t == begin_t_) return void(std::ranges::copy(t == end_t_ ? end_y_ : begin_y_, y.begin()));
@@ -160,6 +163,8 @@ class Stepper final : public LegStepper {
   void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
 
  private:
+  void notice(std::span<const double> y) { derivatives_ ? weights_.fill(y, weight_) : weights_.notice(y); }
+
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
   // on (Gustafsson's predictive control).
   void grow(double h, double error) {
@@ -196,7 +201,6 @@ class Stepper final : public LegStepper {
 
   // The new state, and the error in multiples of what is allowed.
   double attempt(double h) {
-    const Formula& formula = Formula::get();
     h_ = h;
     if (factorised_ != h) {
       systems_.factorise(h);
@@ -211,34 +215,68 @@ class Stepper final : public LegStepper {
     systems_.solve(force_, stiff_rate_, loaded, x_);
     sorted_ = false;
     statistics_.linear_solves += lanes;
-    // Columns: w, u / h, their errors.
-    const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
-    const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
-    std::array<Eigen::Array4d, parts> columns;
-    for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h * u[l], of_w[l], h * of_u[l]};
-    const std::size_t n = layout_.nodes;
-    Eigen::Array4d largest = Eigen::Array4d::Zero();
-    const auto move = [&](std::size_t i) {
-      const double velocity = begin_y_[n + i];
-      const Eigen::Array4d sum = combined(columns, x_[i]);
-      end_y_[n + i] = velocity + sum[0];
-      end_y_[i] = begin_y_[i] + (h * velocity + sum[1]);
-      return sum.abs().eval();
-    };
-    const std::size_t first = system_.bar().massive_begin(), last = system_.bar().massive_end();
-    for (std::size_t i = first; i < last; ++i) largest = largest.max(move(i));
     // The velocity of a massless node is dependent; a rigid contact has no spring, so weights are those of the fields.
-    const Eigen::Array4d displacements(1.0, 1.0, 0.0, 1.0);
-    for (std::size_t i = 0; i < first; ++i) largest = largest.max(move(i) * displacements);
-    for (std::size_t i = last; i < n; ++i) largest = largest.max(move(i) * displacements);
-    if (!(largest[0] + largest[1] <= std::numeric_limits<double>::max())) throw not_finite();
-    double error =
-        std::max({largest[2] * weight_[n + first], largest[3] * weight_[0], std::numeric_limits<double>::min()});
-    if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_[0], weight_[n + first]));
+    const double weight_u = weights_.weight_of_displacement(), weight_w = weights_.weight_of_velocity();
+    const auto [rate, way, rate_error, way_error] = move_nodes(h);
+    if (!(rate + way <= std::numeric_limits<double>::max())) throw not_finite();
+    double error = std::max({rate_error * weight_w, way_error * weight_u, std::numeric_limits<double>::min()});
+    if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_u, weight_w));
     if (derivatives_)
       error = std::max(error, derivatives_->attempt(systems_, {begin_t_, h, end_of_step()}, begin_y_, x_, weight_,
                                                     end_y_, statistics_));
     return error;
+  }
+
+  // The new state by the sums of all parts, of four nodes at once. The largest changes of w and u, and their errors.
+  std::array<double, 4> move_nodes(double h) {
+    const Formula& formula = Formula::get();
+    const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
+    const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
+    std::array<std::array<Lanes, parts>, 4> weights;  // of w, u / h, their errors
+    for (std::size_t l = 0; l < parts; ++l) {
+      weights[0][l] = Lanes{} + w[l];
+      weights[1][l] = Lanes{} + h * u[l];
+      weights[2][l] = Lanes{} + of_w[l];
+      weights[3][l] = Lanes{} + h * of_u[l];
+    }
+    const std::size_t n = layout_.nodes, first = system_.bar().massive_begin(), last = system_.bar().massive_end();
+    const double *const begin_u = begin_y_.data(), *const begin_w = begin_u + n;
+    double *const end_u = end_y_.data(), *const end_w = end_u + n;
+    const Complex* const x = x_.data();
+    std::array<Lanes, 4> largest{};
+    const auto raise = [](Lanes & most, const Lanes& sum) __attribute__((always_inline)) {
+      const Lanes size = sum < 0.0 ? -sum : sum;
+      most = most > size ? most : size;
+    };
+    const auto move = [&](std::size_t i, bool massive) __attribute__((always_inline)) {
+      const std::array<Lanes, 4> re = transposed({x[i].re, x[i + 1].re, x[i + 2].re, x[i + 3].re});
+      const std::array<Lanes, 4> im = transposed({x[i].im, x[i + 1].im, x[i + 2].im, x[i + 3].im});
+      const auto sum = [&](const std::array<Lanes, parts>& by) __attribute__((always_inline)) {
+        Lanes of_re = by[0] * re[0], of_im = by[lanes] * im[0];
+        for (std::size_t l = 1; l < lanes; ++l) of_re += by[l] * re[l], of_im += by[lanes + l] * im[l];
+        return of_re + of_im;
+      };
+      const Lanes velocity = load_lanes(begin_w + i), rate = sum(weights[0]), way = sum(weights[1]);
+      store_lanes(velocity + rate, end_w + i);
+      store_lanes(load_lanes(begin_u + i) + (h * velocity + way), end_u + i);
+      raise(largest[0], rate);
+      raise(largest[1], way);
+      Lanes of_rate = sum(weights[2]);
+      for (std::size_t k = 0; !massive && k < lanes; ++k)
+        if (i + k < first || i + k >= last) of_rate[k] = 0.0;
+      raise(largest[2], of_rate);
+      raise(largest[3], sum(weights[3]));
+    };
+    // The last ones of the nodes twice, where they are no multiple of four; takes() wants five.
+    move(0, first == 0);
+    for (std::size_t i = lanes; i + lanes < n; i += lanes) move(i, true);
+    move(n - lanes, last == n);
+    std::array<double, 4> all;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const Lanes& most = largest[c];
+      all[c] = std::max({most[0], most[1], most[2], most[3]});
+    }
+    return all;
   }
 
   double end_of_step() const { return h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_; }

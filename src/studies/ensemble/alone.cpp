@@ -71,7 +71,7 @@ class Reader {
 
 }  // namespace
 
-Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop) {
+Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop) {
   const Case& run = setup.run;
   const BarSystem system = setup.system();
   std::size_t steps = 0;
@@ -79,6 +79,7 @@ Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, c
     auto values = std::make_unique<BarValues>(layout);
     Reader read(layout, system, run.scene);
     std::vector<double> changes;
+    changes.reserve(std::min<std::size_t>(layout.most_changes, 16));
     Observers observers;
     observers.off_the_clock = false;
     observers.reactions = layout.reactions;

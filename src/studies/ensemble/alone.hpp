@@ -15,8 +15,8 @@ struct Told {
   std::size_t steps;
 };
 
-/// Runs a bar by the method of its setup, which is sound; with a wanted error at tolerances ten times apart, until the
-/// difference of two runs allows it. @throws StudyStopped @throws IntegrationError
-Told run_alone(Setup setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop);
+/// Runs a bar by the method of its setup, which is sound; with a wanted error at tolerances ten times apart, which the
+/// setup is given, until the difference of two runs allows it. @throws StudyStopped @throws IntegrationError
+Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, const std::function<bool()>& stop);
 
 }  // namespace viscobar::bars

@@ -158,7 +158,7 @@ class EnsembleRun {
         if ((own = members_->of(setup->run)))
           lanes.add(i, *std::move(own));
         else
-          run_alone(i, *std::move(setup));
+          run_alone(i, *setup);
       }
     }
     lanes.run();
@@ -177,8 +177,9 @@ class EnsembleRun {
       *number = value;
     }
     if (run.automatic && !(run.scene.bar.viscosity > 0.0 && first_.run.scene.bar.viscosity > 0.0)) return std::nullopt;
-    Setup setup = resolve(std::move(run));
-    return faults(setup).empty() ? std::optional(std::move(setup)) : std::nullopt;
+    std::optional<Setup> setup(resolve(std::move(run)));
+    if (!faults(*setup).empty()) setup.reset();
+    return setup;
   }
 
   // Absent, and told, where the bar's scene cannot be run.
@@ -206,13 +207,13 @@ class EnsembleRun {
   }
 
   void run_alone(std::size_t i) {
-    if (auto setup = sound_setup(i)) run_alone(i, *std::move(setup));
+    if (auto setup = sound_setup(i)) run_alone(i, *setup);
   }
 
-  void run_alone(std::size_t i, Setup setup) {
+  void run_alone(std::size_t i, Setup& setup) {
     result_.ways[i] = BarWay::alone;
     try {
-      finish(i, bars::run_alone(std::move(setup), *layout_, study_.error, study_.stop), BarWay::alone);
+      finish(i, bars::run_alone(setup, *layout_, study_.error, study_.stop), BarWay::alone);
     } catch (const StudyStopped&) {
       throw;
     } catch (const std::exception& error) {

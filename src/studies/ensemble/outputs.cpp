@@ -55,6 +55,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
     }
   }
   if (text == "final") {
+    output.kind = Kind::final;
     output.shape = {2, run.mesh().nodes()};
     return output;
   }
