@@ -290,7 +290,7 @@ void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensiti
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
   const Contact& contact = contacts_[i];
-  const double acceleration = bar.lift_at(contact, bar.lift(t, 2));
+  const double acceleration = bar.lift_at(contact, system_.load().lift(t, 2));
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity +=
         acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().load().lift(t, 1));

@@ -128,14 +128,16 @@ class StepwisePart {
 
   void count_seconds() { notifier_.count_seconds(); }
 
-  /// Tells the state of a run that could not go on: one more snapshot, at the time reached, where none was told yet.
+  /// Tells the state of a run that could not go on, and its energy: one more snapshot, at the time reached, where none
+  /// was told yet.
   void tell_reached() {
     const double t = statistics_.reached_time;
-    if (!observers_.snapshot || next_output_ == 0 || t <= times_[next_output_ - 1]) return;
+    if (next_output_ == 0) return;
     try {
       reach(t);
       system_.complete_velocity(t, u(), w());
-      tell_snapshot(t);
+      if (t > times_[next_output_ - 1]) tell_snapshot(t);
+      sum_up_energy(t);
     } catch (const std::exception&) {  // the failure of the run may come again here
     }
   }
@@ -277,7 +279,7 @@ class StepwisePart {
     energy.notice(entry(layout_.dissipated) + entry(layout_.end_inertia) + energy.end_inertia, entry(layout_.work));
     const Bar& bar = system_.bar().bar();
     if (!system_.bar().moving()) return;
-    const Lift rate = system_.bar().lift(t, 1);
+    const Lift rate = system_.load().lift(t, 1);
     energy.largest = std::max({energy.largest, 0.5 * bar.density * bar.length * rate.left * rate.left,
                                0.5 * bar.density * bar.length * rate.right * rate.right});
   }
@@ -420,15 +422,19 @@ class StepwisePart {
     system_.complete_velocity(end, u(), w());
     if (ends_) ends_->begin(end, u(), w());
     if (sensitivities_) sensitivities_->sum_up(end, y_);
-    if (statistics_.energy) {
-      const double of_frame = frame_energy(system_, end, u(), w());
-      statistics_.energy->final = energy(contacts_, u(), w()) + of_frame;
-      if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
-      if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
-      if (layout_.end_inertia) statistics_.energy->end_inertia += y_[*layout_.end_inertia];
-      statistics_.energy->dissipated += statistics_.energy->end_inertia;
-    }
+    sum_up_energy(end);
     statistics_.completed = true;
+  }
+
+  // The account of the run, where it ends or stops.
+  void sum_up_energy(double t) {
+    if (!statistics_.energy) return;
+    const double of_frame = frame_energy(system_, t, u(), w());
+    statistics_.energy->final = energy(contacts_, u(), w()) + of_frame;
+    if (layout_.dissipated) statistics_.energy->dissipated = y_[*layout_.dissipated];
+    if (layout_.work) statistics_.energy->work = y_[*layout_.work] + of_frame;
+    if (layout_.end_inertia) statistics_.energy->end_inertia += y_[*layout_.end_inertia];
+    statistics_.energy->dissipated += statistics_.energy->end_inertia;
   }
 
   // In the step from `begin` to `end`.
@@ -537,7 +543,7 @@ class StepwisePart {
   // The velocity of the frame at a contact is that of its obstacle.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
-    return bar.moving() ? bar.lift_at(contacts_[i], bar.lift(t, 1)) : 0.0;
+    return bar.moving() ? bar.lift_at(contacts_[i], system_.load().lift(t, 1)) : 0.0;
   }
 
   // A closing that is not told yet, and when its node struck last.

@@ -48,6 +48,17 @@ Statistics Run::reached() {
 }
 
 void Run::fail(Failure why, const std::exception& cause) {
+  if (statistics_.energy && y_.size() > 0) {
+    try {
+      const std::vector<double> u = displacement();
+      std::vector<double> w = velocity();
+      penalised_.complete_velocity(t_, u, w);
+      const double of_frame = frame_energy(penalised_, t_, u, w);
+      statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
+      statistics_.energy->work += of_frame;
+    } catch (const std::exception&) {  // what has stopped the run may stop this
+    }
+  }
   throw IntegrationError(why, fmt::format("exponential stopped at t = {}: {}", t_, cause.what()), reached());
 }
 
@@ -67,30 +78,29 @@ void Run::enter_piece() {
 void Run::pass_kink() {
   const auto jump = system_.kink(t_, times_.back());
   if (!jump) return;
-  std::vector<double> u = displacement(), w(system_.size(), 0.0);
-  const auto first = static_cast<std::ptrdiff_t>(system_.massive_begin());
-  const auto velocities = y_.tail(leg().size() - leg().displacements());
-  std::ranges::copy(velocities, w.begin() + first);
-  std::vector<double> change = w;
+  std::vector<double> u = displacement(), w = velocity(), change = w;
   const double before = energy(penalised_.contacts(), u, w);
   system_.pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
+  std::vector<std::size_t> left;
+  if (jump->displaces()) left = left_by_jump(penalised_.contacts(), *jump, t_, u, largest_displacement_);
   if (ends_ && !jump->displaces()) ends_->pass_kink(change);
   for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
     y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
-  for (Index k = 0; k < velocities.size(); ++k) y_[leg().displacements() + k] = w[static_cast<std::size_t>(first + k)];
-  if (jump->displaces()) leave_obstacles(*jump, u, w);
+  const std::size_t first = system_.massive_begin(), count = system_.massive_end() - first;
+  std::copy_n(w.data() + first, count, y_.data() + leg().displacements());
+  if (jump->displaces()) leave_obstacles(left, u, w);
   if (statistics_.energy) statistics_.energy->work += energy(penalised_.contacts(), u, w) - before;
 }
 
-void Run::leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w) {
+void Run::leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w) {
   if (ends_) {
     penalised_.complete_velocity(t_, u, w);
     std::vector<double> measured(u.begin(), u.end());
     for (std::size_t i = 0; i < u.size(); ++i) measured[i] -= propagators_.origin()[static_cast<Index>(i)];
     ends_->enter_frame(measured, w);
   }
-  for (const std::size_t c : left_by_jump(penalised_.contacts(), jump, t_, u, largest_displacement_)) {
+  for (const std::size_t c : left) {
     penalised_.contacts().set_closed(c, false);
     penalised_.complete_displacement(t_, u);
     penalised_.complete_velocity(t_, u, w);
@@ -107,6 +117,13 @@ std::vector<double> Run::displacement() {
   }
   penalised_.complete_displacement(t_, u);
   return u;
+}
+
+std::vector<double> Run::velocity() const {
+  std::vector<double> w(system_.size(), 0.0);
+  std::ranges::copy(y_.tail(leg().size() - leg().displacements()),
+                    w.begin() + static_cast<std::ptrdiff_t>(system_.massive_begin()));
+  return w;
 }
 
 void Run::settle_high_modes(bool starting) {
@@ -391,7 +408,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
-  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], system_.lift(t_, 1));
+  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
   notifier_.event(t_, system_, penalised_.contacts()[c],
                   penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }

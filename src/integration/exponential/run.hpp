@@ -82,13 +82,14 @@ class Run {
   void pass_kink();    // where what holds or bounds an end changes its velocity at once
   // Puts high modes at their equilibrium (see JumpFilter): at the start, or where the load breaks.
   void settle_high_modes(bool starting);
-  void leave_obstacles(const FrameJump& jump, std::span<double> u, std::span<double> w);
+  void leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w);
   // The unknown whose displacement is the first of y.
   std::size_t first_displacement() const {
     return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.massive_begin();
   }
   double& displacement_of(Index node) { return y_[node - static_cast<Index>(first_displacement())]; }
-  std::vector<double> displacement();  // of all unknowns, not measured from obstacles
+  std::vector<double> displacement();    // of all unknowns, not measured from obstacles
+  std::vector<double> velocity() const;  // of all unknowns, 0 of those without mass
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
