@@ -229,6 +229,16 @@ int run(int argc, char** argv) {
   std::_Exit(run_failed);
 }
 
+bool returns = false;
+
+/// A library that ends the program itself, as HDF5 does where a table of its own cannot grow, does so without a word.
+void end_by_library() {
+  if (returns) return;
+  constexpr std::string_view message = "viscobar: a library has ended the program: there may not be enough memory\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
+  std::_Exit(run_failed);
+}
+
 }  // namespace
 
 }  // namespace viscobar::cli
@@ -239,6 +249,7 @@ int main(int argc, char** argv) {
   // A limit on file sizes is an error like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(cli::end_without_memory);
+  std::atexit(cli::end_by_library);
   int code = cli::run_failed;
   try {
     code = cli::run(argc, argv);
@@ -258,5 +269,6 @@ int main(int argc, char** argv) {
   }
   code = cli::end_messages(code);
   if (hdf5_failed()) std::fflush(nullptr), std::_Exit(code);
+  cli::returns = true;
   return code;
 }

@@ -57,14 +57,16 @@ Hdf5Dataset new_dataset(const std::filesystem::path& path, const Hdf5File& file,
                         std::span<const hsize_t> extent, hid_t properties) {
   std::vector<hsize_t> largest(extent.begin(), extent.end());
   if (extent[0] == 0) largest[0] = H5S_UNLIMITED;
-  const Hdf5Dataspace space(
-      H5Screate_simple(static_cast<int>(extent.size()), extent.data(), extent[0] == 0 ? largest.data() : nullptr));
-  const Hdf5Properties link(H5Pcreate(H5P_LINK_CREATE));
-  H5Pset_create_intermediate_group(link.get(), 1);
-  // Without the times of its making the same values are the same bytes.
-  const Hdf5Properties creation(properties == H5P_DEFAULT ? H5Pcreate(H5P_DATASET_CREATE) : H5Pcopy(properties));
-  H5Pset_obj_track_times(creation.get(), false);
+  Hdf5Dataspace space;
+  Hdf5Properties link, creation;
   return Hdf5Dataset(hdf5_checked(path, "cannot create a dataset", [&] {
+    space.reset(
+        H5Screate_simple(static_cast<int>(extent.size()), extent.data(), extent[0] == 0 ? largest.data() : nullptr));
+    link.reset(H5Pcreate(H5P_LINK_CREATE));
+    H5Pset_create_intermediate_group(link.get(), 1);
+    // Without the times of its making the same values are the same bytes.
+    creation.reset(properties == H5P_DEFAULT ? H5Pcreate(H5P_DATASET_CREATE) : H5Pcopy(properties));
+    H5Pset_obj_track_times(creation.get(), false);
     return H5Dcreate2(file.get(), name.c_str(), type, space.get(), link.get(), creation.get(), H5P_DEFAULT);
   }));
 }
