@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -237,6 +238,31 @@ TEST(Fit, CountsTheModelsOwnErrorAmongItsDeviations) {
     EXPECT_GE(found.parameters[k].standard_deviation, found.model_errors[k]);
     EXPECT_LT(std::abs(found.parameters[k].estimate - truth), 3.0 * found.parameters[k].standard_deviation);
   }
+}
+
+// An elastic bar is followed to rounding: its data tell a gap to the last digit of that number, and no further.
+TEST(Fit, KnowsANumberNoBetterThanItsRounding) {
+  const auto elastic = [](std::span<const double> values) {
+    Case run = bar(values, {"left.gap"});
+    run.scene.bar.viscosity = 0.0;
+    run.method = MethodName::characteristics;
+    run.directions.clear();
+    run.end = 2.0, run.output_every = 0.05;
+    return run;
+  };
+  const Recording made = record(elastic(std::vector{0.1}));
+  FitStudy study;
+  study.model = elastic;
+  study.times = made.times;
+  MeasuredTrace trace{TraceColumn::u_left, {}, 1e-3, true};
+  for (std::size_t k = 0; k < made.times.size(); ++k) trace.values.push_back(made.displacement(k).front());
+  study.traces = {trace};
+  study.parameters = {{"left.gap", 0.12, 1e-6, 1e6}};
+  EXPECT_THROW(fit(study), std::invalid_argument) << "no directions";
+  study.differences = true;
+  const Estimate found = fit(study).parameters[0];
+  EXPECT_NEAR(found.estimate, 0.1, 1e-9);
+  EXPECT_GE(found.standard_deviation, 0.1 * std::numeric_limits<double>::epsilon());
 }
 
 // Samples just behind a touch make another valley on another mesh, into which no line leads: the gap of 30 elements is

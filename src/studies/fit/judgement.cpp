@@ -410,7 +410,9 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     }
     const double noise = longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)),
                  linear = std::min(1.0, longer(a)) * scale(free[a]) * moved.linear(a);
-    double error = std::max(linear, scale(free[a]) * moved.searched(a)), deviation = std::hypot(noise, error);
+    const double own = std::max(scale(free[a]) * moved.searched(a),
+                                std::numeric_limits<double>::epsilon() * std::abs(one.estimate));  // its rounding
+    double error = std::max(linear, own), deviation = std::hypot(noise, error);
     // A step of one deviation by the data leaves the bounds, or what the parameter is large by.
     const bool far =
         std::hypot(noise, linear) > std::min(0.5 * (parameter.high - parameter.low), 10.0 * std::abs(one.estimate));
@@ -425,7 +427,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
       continue;
     }
     if (ways(a) > 0.0) {
-      error = scale(free[a]) * moved.searched(a), deviation = std::hypot(ways(a), error), longer(a) = 1.0;
+      error = own, deviation = std::hypot(ways(a), error), longer(a) = 1.0;
       inverse.row(a).setZero(), inverse.col(a).setZero();
       inverse(a, a) = std::pow(ways(a) / scale(free[a]), 2) / variance;
     }

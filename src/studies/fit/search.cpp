@@ -134,6 +134,9 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
 
   const Setup setup = resolve(run);
   const Eigen::Index parameters = derivatives ? std::ssize(study.parameters) : 0;
+  if (derivatives && std::ssize(run.directions) != parameters)
+    throw std::invalid_argument(
+        "fit: the model has not a direction for each parameter, and no differences are asked for");
   std::vector<std::vector<Traced>> model(study.traces.size());
   std::vector<ColumnReader> readers, of_rates;  // the latter of the stress by E' and eta', a row of parameters each
   const BarSystem system = setup.system();
