@@ -423,7 +423,6 @@ void Sensitivities::sum_up(double t, std::span<double> y) {
       Derivative& derivative = *pointers_[k];
       const Block s = layout_->derivative(y, k);
       complete(derivative, at, s);
-      impulses = {};
       layout_->each_impulse([&](std::size_t e, std::size_t node) {
         impulses[layout_->left ? e : 1] = s.impulses()[e] + derivative.momentum(node, at, s.u(), s.w());
       });
