@@ -85,11 +85,13 @@ void Sensitivities::begin(double t, double end, std::span<double> y) {
   });
 }
 
-void Sensitivities::begin_leg(double t, double end) {
-  for (Derivative* derivative : pointers_) {
-    derivative->take_contacts();
-    derivative->begin_leg(t, end);
-  }
+void Sensitivities::begin_leg(double t, double end, std::span<double> y) {
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    derivative.begin_leg(t, end);
+    derivative.take_contacts();
+    if (!lost()) complete(derivative, at, s);
+  });
 }
 
 // With the bar's own acceleration there.

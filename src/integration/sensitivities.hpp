@@ -31,7 +31,8 @@ class Sensitivities {
   void attach(const Layout& layout, SensitivityAccount& account, const ErrorWeights& weights);
   /// The derivatives of the initial state y, no contact being closed.
   void begin(double t, double end, std::span<double> y);
-  void begin_leg(double t, double end);
+  /// A leg begins at t: nodes that follow their row at once are put where the load has them from there on.
+  void begin_leg(double t, double end, std::span<double> y);
 
   /// Contact i is about to change at t in the state y, whose velocities are complete: derivatives of that change.
   /// A rigid contact that opens by a pull which it has had `since` earlier opens as by a graze. A stop may change

@@ -166,7 +166,7 @@ class StepwisePart {
       const bool entered = checkpoint->frame == Checkpoint::Frame::entered;
       if (entered && sensitivities_) {
         leg_end_ = system_.load().begin_leg(checkpoint->time, times_.back());
-        sensitivities_->begin_leg(checkpoint->time, times_.back());
+        sensitivities_->begin_leg(checkpoint->time, times_.back(), y_);
         sensitivities_->enter_frame(checkpoint->time, y_);
       }
       restart(checkpoint->time, entered ? Leg::same : Leg::next);
@@ -329,7 +329,7 @@ class StepwisePart {
       else
         sensitivities_ ? sensitivities_->pass_break(filter_, t, times_.back(), y_, pass_break) : pass_break();
     }
-    if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
+    if (sensitivities_) sensitivities_->begin_leg(t, times_.back(), y_);
     if (ends_) {
       ends_->measure_from(contacts_.origin().values());
       ends_->begin(t, u(), w());
