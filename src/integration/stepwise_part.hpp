@@ -109,7 +109,7 @@ class StepwisePart {
       } else if (t >= leg_end_) {
         reach(t);
       }
-      if (t > begin && t < end && schedule_.due(t)) {
+      if (t > begin && t < end && schedule_.due(t) && !(change && has_passed_kink(t))) {
         if (!change) reach(t);
         return Checkpoint{t, next_output_, {}, archived(*this), frame_of(system_.bar())};
       }
@@ -311,7 +311,7 @@ class StepwisePart {
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (contacts_.closed(i)) contacts_.measure(i, u());
     leg_end_ = system_.load().begin_leg(t, times_.back());
-    if (leg != Leg::same) pass_kink(t);
+    if (leg != Leg::same && !has_passed_kink(t)) pass_kink(t);
     follow_load(t);
     system_.complete_velocity(t, u(), w());
     if (ends_ && leg == Leg::first && filter_.acts()) {  // the data are of the range of an end
@@ -363,6 +363,7 @@ class StepwisePart {
     const auto jump = system_.bar().kink(t, times_.back());
     if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump ? &*jump : nullptr, y_);
     if (!jump) return;
+    kink_ = t;
     const double before = layout_.work ? energy(contacts_, u(), w()) : 0.0;
     system_.bar().pass_kink(*jump, u(), w());
     tie_joints(contacts_, w());
@@ -381,6 +382,9 @@ class StepwisePart {
         tell_event(t, i, Change::opening, w()[node]);
     }
   }
+
+  // A contact may change where its obstacle has a kink, and a leg begin there once more.
+  bool has_passed_kink(double t) const { return t - kink_ <= 2.0 * rounding_of_times(t, times_.back()); }
 
   void leave_obstacles(double t, const FrameJump& jump) {
     const double largest = stepper_.weights().largest_displacement();
@@ -533,10 +537,10 @@ class StepwisePart {
     search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
   }
 
-  // The velocity of the frame at a contact is that of its obstacle.
+  // The velocity of the frame at a contact is that of its obstacle, at a kink on the side of the leg.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
-    return bar.moving() ? bar.lift_at(contacts_[i], bar.lift(t, 1)) : 0.0;
+    return bar.moving() ? bar.lift_at(contacts_[i], system_.load().lift(t, 1)) : 0.0;
   }
 
   // A closing that is not told yet, and when its node struck last.
@@ -616,6 +620,7 @@ class StepwisePart {
   std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
+  double kink_ = load_break_;  // the last one that has been passed
   std::size_t next_output_ = 0;
   std::optional<Withheld> withheld_;
   bool starts_in_contact_ = false;  // the filter keeps the motion after an impact

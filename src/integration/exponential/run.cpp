@@ -391,7 +391,7 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
-  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], system_.lift(t_, 1));
+  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
   notifier_.event(t_, system_, penalised_.contacts()[c],
                   penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }
