@@ -219,11 +219,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     return changes;
   }
   shifted_ = true;
-  for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    const Block s = layout_->derivative(y, k);
-    for (std::size_t j = 0; j < n; ++j) s[j] += old_velocity_[j] * shifts_[k];
-    for (std::size_t j = 0; j < n; ++j) s[n + j] += old_acceleration_[j] * shifts_[k];
-  }
+  each(y, [&](std::size_t k, Derivative&, const Block& s) { shift_to_change(k, s); });
   return changes;
 }
 
@@ -276,23 +272,50 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   shifted_ = false;
 }
 
-// The time is the scene's, and the state does not jump.
-std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, std::span<double> y) {
+// dt*/dp of a break at t, as the contact has it. The obstacle is where it is before and after a kink of its own: there
+// gap_p + gap' dt*/dp does not jump. Every other break is at a time of the scene.
+double Sensitivities::break_rate(std::size_t k, double t, double end, const Contact& contact) const {
+  const double moved = pointers_[k]->data().gap_jump(contact, t, end);
+  if (moved == 0.0 || system_.bar().gap_jump(contact, t, end) != 0.0) return 0.0;
+  const double bend = system_.bar().gap_jump(contact, t, end, 1);
+  return bend == 0.0 ? 0.0 : -moved / bend;
+}
+
+std::vector<ChangeSensitivity> Sensitivities::at_break(double t, double end, std::size_t i, std::span<double> y) {
   std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
+  shifted_ = false;
+  if (lost() && *account_->lost < t) return changes;
+  bool moves = false;
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    changes[k].time = shifts_[k] = break_rate(k, t, end, contacts_[i]);
+    moves |= shifts_[k] != 0.0;
+  }
   if (lost()) return changes;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  old_velocity_ = w_;
+  old_acceleration_ = acceleration_;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    changes[k] = {0.0, contacts_[i].of(s.w())};
+    shift_to_change(k, s);
+    // A node without mass has a velocity that jumps as its row does.
+    if (!contacts_[i].massless || (shifts_[k] == 0.0 && !contacts_.closed(i)))
+      changes[k].velocity = contacts_[i].of(s.w());
   });
+  shifted_ = moves;
   return changes;
+}
+
+// From the time before a change to its own.
+void Sensitivities::shift_to_change(std::size_t k, const Block& s) const {
+  for (std::size_t j = 0; j < s.nodes; ++j) s.u()[j] += old_velocity_[j] * shifts_[k];
+  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += old_acceleration_[j] * shifts_[k];
 }
 
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   const BarSystem& bar = system_.bar();
   if (!bar.moving()) return;
   const Contact& contact = contacts_[i];
-  const double acceleration = bar.lift_at(contact, bar.lift(t, 2));
+  const double acceleration = bar.lift_at(contact, system_.load().lift(t, 2));
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity +=
         acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().load().lift(t, 1));

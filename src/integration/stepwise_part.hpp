@@ -376,6 +376,7 @@ class StepwisePart {
       if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
       contacts_.set_closed(i, false);
+      if (sensitivities_) changes_ = sensitivities_->at_break(t, times_.back(), i, y_);
       if (contacts_[i].sign * w()[node] < 0.0)
         strike(t, i, std::nullopt);
       else
@@ -391,7 +392,7 @@ class StepwisePart {
     for (const std::size_t i : left_by_jump(contacts_, jump, t, u(), largest)) {
       contacts_.set_closed(i, false);
       system_.complete_velocity(t, u(), w());
-      if (sensitivities_) changes_ = sensitivities_->let_go(t, i, y_);
+      if (sensitivities_) changes_ = sensitivities_->at_break(t, times_.back(), i, y_);
       tell_event(t, i, Change::opening, w()[contacts_[i].unknown]);
     }
   }
@@ -445,8 +446,8 @@ class StepwisePart {
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
       const bool by_push = i == search_.first_contact() && search_.by_push();
       if (sensitivities_)
-        changes_ = opens && t == load_break_ ? sensitivities_->let_go(t, i, y_)
-                                             : sensitivities_->before(t, told, i, by_push, y_);
+        changes_ = (opens || by_push) && t == load_break_ ? sensitivities_->at_break(t, times_.back(), i, y_)
+                                                          : sensitivities_->before(t, told, i, by_push, y_);
       if (by_push && layout_.dissipated)
         y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * contacts_[i].law.stop()->energy(-contacts_.clearance(i, u()));
       if (!opens) close(t, i, velocity());
@@ -521,6 +522,8 @@ class StepwisePart {
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     for (const std::size_t k : collision.released) {
       if (sensitivities_) sensitivities_->lose(t, "an impact opens another contact", y_);
+      // They are at the time of the impact, each with a velocity of its own.
+      for (ChangeSensitivity& told : changes_) told.velocity = std::numeric_limits<double>::quiet_NaN();
       tell_event(t, k, Change::opening, contacts_[k].of(w()));
     }
     if (collision.rests)
