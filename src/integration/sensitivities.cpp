@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/contact_rows.hpp"
 #include "dynamics/indicator.hpp"
 
 namespace viscobar {
@@ -383,10 +384,32 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
       account(1.0);
       derivative.data().pass_kink(*jump, s.u(), s.w());
       account(-1.0);
+      if (kinks && !of_bar->displaces()) strike_by_kink(*of_bar, *jump, at, s);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);
     }
   }
+}
+
+// Where the velocity of an obstacle jumps, so does the force of its dashpot, or of the row of a node without mass that
+// it holds. If the time of that moves, the derivative of the obstacle jumps, and drags at them with an impulse.
+void Sensitivities::strike_by_kink(const FrameJump& of_bar, const FrameJump& moved, const Moment& at, const Block& s) {
+  const BarSystem& bar = system_.bar();
+  std::vector<double> impulse(s.nodes, 0.0);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    const std::size_t node = contact.unknown;
+    const double by = bar.lift_at(contact, moved.displacement), faster = bar.lift_at(contact, of_bar.velocity);
+    if (!contacts_.closed(i) || by == 0.0 || faster == 0.0) continue;
+    const double clearance = contacts_.clearance(i, at.u), w = contact.of(at.w);
+    if (!contacts_[i].massless)
+      impulse[node] +=
+          (contacts_[i].law.force(clearance, w - faster) - contacts_[i].law.force(clearance, w)) * by / faster;
+    else if (contacts_[i].holds)
+      impulse[neighbour(node)] += bar.bar().viscosity / bar.stretch_at(node) * by;
+  }
+  system_.accelerate(impulse);
+  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += impulse[j];
 }
 
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
