@@ -55,7 +55,7 @@ double JumpFilter::fading(const Derivative& derivative) const {
          (2.0 * rates.viscosity / bar.viscosity - rates.inertia - rates.modulus / bar.modulus);
 }
 
-void JumpFilter::differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate,
+void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, std::span<double> rate,
                                std::span<double> s, std::span<double> s_rate) {
   const Derivative::MatrixRates rates = derivative.matrix_rates();
   const Bar& bar = bar_.bar();
@@ -88,9 +88,18 @@ void JumpFilter::differentiate(const Derivative& derivative, std::span<double> f
   apply(force);
   add_slope(supports, applied_to(jump_force_), force);
   for (std::size_t i = 0; i < n; ++i) {
-    s[i] += force[i] = part_ * force[i] + growth * shift_u_[i];
+    force[i] = part_ * force[i] + growth * shift_u_[i];
     s_rate[i] += rate[i];
   }
+  // A node that an obstacle has stopped stays on it.
+  if (bound_ && part_ > 0.0) {
+    const Contacts& contacts = derivative.motion().contacts();
+    const std::size_t node = contacts[*bound_].unknown;
+    const double left = contacts.clearance(*bound_, s) + contacts[*bound_].sign * force[node];
+    const double further = -left / (contacts[*bound_].sign * shift_u_[node]);
+    for (std::size_t i = 0; i < n; ++i) force[i] += further * shift_u_[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) s[i] += force[i];
   if (!bar_.has_dashpots()) return;
   const std::vector<double> impulse = impulse_;
   answer_with_dashpots(force, s_rate);

@@ -211,10 +211,12 @@ JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<d
   apply(force);
   // No node is put through an obstacle.
   part_ = 1.0;
+  bound_.reset();
   for (std::size_t i = 0; i < system.contacts().size(); ++i) {
     const double down = -system.contacts()[i].sign * force[system.contacts()[i].unknown];
-    if (!system.contacts().closed(i) && down > 0.0)
-      part_ = std::clamp(system.contacts().clearance(i, u) / down, 0.0, part_);
+    if (system.contacts().closed(i) || down <= 0.0) continue;
+    if (const double share = system.contacts().clearance(i, u) / down; share < part_)
+      part_ = std::max(share, 0.0), bound_ = i;
   }
   Taken taken;
   for (std::size_t i = 0; i < n; ++i) {

@@ -48,7 +48,7 @@ class JumpFilter {
   Taken pass_break(PenalisedSystem& system, double t, double end, std::span<double> u, std::span<double> w);
   /// The derivatives s of a state that the last call of begin() or pass_break() has put right, with those of
   /// [b] and [b'], which are overwritten. Shifts are linear in the data, go like h / E, and with theta.
-  void differentiate(const Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
+  void differentiate(Derivative& derivative, std::span<double> force, std::span<double> rate, std::span<double> s,
                      std::span<double> s_rate);
   bool has_shifted() const { return shifted_; }  ///< true if that call changed anything
   /// Those of [b] and [b'] of begin(), before it: the derivative is driven by the bar's motion.
@@ -89,7 +89,8 @@ class JumpFilter {
   Added added_;
   // Results of the last put(): its jumps, C v in them, its shifts, and the answers of dashpots.
   std::vector<double> jump_force_, jump_rate_, shift_u_, shift_w_, impulse_;
-  double part_ = 1.0;  // of the former, short of an obstacle
+  double part_ = 1.0;                 // of the former, short of an obstacle
+  std::optional<std::size_t> bound_;  // the contact of that obstacle
   bool shifted_ = false;
 };
 

@@ -167,11 +167,11 @@ void BarSystem::pass_kink(const FrameJump& jump, std::span<double> u, std::span<
   for (std::size_t i = 0; i < change.size(); ++i) w[i] -= change[i];
 }
 
-double BarSystem::gap_jump(const Contact& contact, double t, double end) const {
+double BarSystem::gap_jump(const Contact& contact, double t, double end, int derivative) const {
   const bool right = contact.where == Where::right;
   if (!contact.at_end() || !inputs_[right].motion) return 0.0;
   const EndMotion& motion = *inputs_[right].motion;
-  return -contact.sign * jump_of([&](double at, int n) { return motion_at(motion, at, n, right); }, 0, t, end);
+  return -contact.sign * jump_of([&](double at, int n) { return motion_at(motion, at, n, right); }, derivative, t, end);
 }
 
 void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {

@@ -20,9 +20,8 @@ struct Layout {
     if (energy && system.bar().has_end_rows()) end_inertia = size++;
     first_derivative = size;
     for (std::size_t i = 0; i < system.contacts().size(); ++i) {
-      if (system.contacts()[i].joint > 0) continue;
-      left |= system.contacts()[i].unknown == 0 && !system.bar().left_fixed();
-      right |= system.contacts()[i].unknown + 1 == nodes && !system.bar().right_fixed();
+      left |= system.contacts()[i].where == Where::left;
+      right |= system.contacts()[i].where == Where::right;
     }
     block = 2 * nodes + (left ? 1 : 0) + (right ? 1 : 0);
     size += derivatives * block;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/contact_rows.hpp"
 #include "dynamics/indicator.hpp"
 
 namespace viscobar {
@@ -85,11 +86,13 @@ void Sensitivities::begin(double t, double end, std::span<double> y) {
   });
 }
 
-void Sensitivities::begin_leg(double t, double end) {
-  for (Derivative* derivative : pointers_) {
-    derivative->take_contacts();
-    derivative->begin_leg(t, end);
-  }
+void Sensitivities::begin_leg(double t, double end, std::span<double> y) {
+  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
+    derivative.begin_leg(t, end);
+    derivative.take_contacts();
+    if (!lost()) complete(derivative, at, s);
+  });
 }
 
 // With the bar's own acceleration there.
@@ -217,11 +220,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     return changes;
   }
   shifted_ = true;
-  for (std::size_t k = 0; k < pointers_.size(); ++k) {
-    const Block s = layout_->derivative(y, k);
-    for (std::size_t j = 0; j < n; ++j) s[j] += old_velocity_[j] * shifts_[k];
-    for (std::size_t j = 0; j < n; ++j) s[n + j] += old_acceleration_[j] * shifts_[k];
-  }
+  each(y, [&](std::size_t k, Derivative&, const Block& s) { shift_to_change(k, s); });
   return changes;
 }
 
@@ -274,16 +273,43 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   shifted_ = false;
 }
 
-// The time is the scene's, and the state does not jump.
-std::vector<ChangeSensitivity> Sensitivities::let_go(double t, std::size_t i, std::span<double> y) {
+// dt*/dp of a break at t, as the contact has it. The obstacle is where it is before and after a kink of its own: there
+// gap_p + gap' dt*/dp does not jump. Every other break is at a time of the scene.
+double Sensitivities::break_rate(std::size_t k, double t, double end, const Contact& contact) const {
+  const double moved = pointers_[k]->data().gap_jump(contact, t, end);
+  if (moved == 0.0 || system_.bar().gap_jump(contact, t, end) != 0.0) return 0.0;
+  const double bend = system_.bar().gap_jump(contact, t, end, 1);
+  return bend == 0.0 ? 0.0 : -moved / bend;
+}
+
+std::vector<ChangeSensitivity> Sensitivities::at_break(double t, double end, std::size_t i, std::span<double> y) {
   std::vector<ChangeSensitivity> changes(pointers_.size(), {nothing, nothing});
+  shifted_ = false;
+  if (lost() && *account_->lost < t) return changes;
+  bool moves = false;
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    changes[k].time = shifts_[k] = break_rate(k, t, end, contacts_[i]);
+    moves |= shifts_[k] != 0.0;
+  }
   if (lost()) return changes;
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  old_velocity_ = w_;
+  old_acceleration_ = acceleration_;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    changes[k] = {0.0, contacts_[i].of(s.w())};
+    shift_to_change(k, s);
+    // A node without mass has a velocity that jumps as its row does.
+    if (!contacts_[i].massless || (shifts_[k] == 0.0 && !contacts_.closed(i)))
+      changes[k].velocity = contacts_[i].of(s.w());
   });
+  shifted_ = moves;
   return changes;
+}
+
+// From the time before a change to its own.
+void Sensitivities::shift_to_change(std::size_t k, const Block& s) const {
+  for (std::size_t j = 0; j < s.nodes; ++j) s.u()[j] += old_velocity_[j] * shifts_[k];
+  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += old_acceleration_[j] * shifts_[k];
 }
 
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
@@ -358,10 +384,32 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
       account(1.0);
       derivative.data().pass_kink(*jump, s.u(), s.w());
       account(-1.0);
+      if (kinks && !of_bar->displaces()) strike_by_kink(*of_bar, *jump, at, s);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);
     }
   }
+}
+
+// Where the velocity of an obstacle jumps, so does the force of its dashpot, or of the row of a node without mass that
+// it holds. If the time of that moves, the derivative of the obstacle jumps, and drags at them with an impulse.
+void Sensitivities::strike_by_kink(const FrameJump& of_bar, const FrameJump& moved, const Moment& at, const Block& s) {
+  const BarSystem& bar = system_.bar();
+  std::vector<double> impulse(s.nodes, 0.0);
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    const std::size_t node = contact.unknown;
+    const double by = bar.lift_at(contact, moved.displacement), faster = bar.lift_at(contact, of_bar.velocity);
+    if (!contacts_.closed(i) || by == 0.0 || faster == 0.0) continue;
+    const double clearance = contacts_.clearance(i, at.u), w = contact.of(at.w);
+    if (!contacts_[i].massless)
+      impulse[node] +=
+          (contacts_[i].law.force(clearance, w - faster) - contacts_[i].law.force(clearance, w)) * by / faster;
+    else if (contacts_[i].holds)
+      impulse[neighbour(node)] += bar.bar().viscosity / bar.stretch_at(node) * by;
+  }
+  system_.accelerate(impulse);
+  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += impulse[j];
 }
 
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
@@ -423,7 +471,6 @@ void Sensitivities::sum_up(double t, std::span<double> y) {
       Derivative& derivative = *pointers_[k];
       const Block s = layout_->derivative(y, k);
       complete(derivative, at, s);
-      impulses = {};
       layout_->each_impulse([&](std::size_t e, std::size_t node) {
         impulses[layout_->left ? e : 1] = s.impulses()[e] + derivative.momentum(node, at, s.u(), s.w());
       });

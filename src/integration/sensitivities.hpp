@@ -31,7 +31,8 @@ class Sensitivities {
   void attach(const Layout& layout, SensitivityAccount& account, const ErrorWeights& weights);
   /// The derivatives of the initial state y, no contact being closed.
   void begin(double t, double end, std::span<double> y);
-  void begin_leg(double t, double end);
+  /// A leg begins at t: nodes that follow their row at once are put where the load has them from there on.
+  void begin_leg(double t, double end, std::span<double> y);
 
   /// Contact i is about to change at t in the state y, whose velocities are complete: derivatives of that change.
   /// A rigid contact that opens by a pull which it has had `since` earlier opens as by a graze. A stop may change
@@ -39,8 +40,9 @@ class Sensitivities {
   std::vector<ChangeSensitivity> before(double t, double since, std::size_t i, bool by_push, std::span<double> y);
   /// Those of its opening at once, by a rebound.
   void rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const;
-  /// Those of its opening at t, where its obstacle jumps away or the load jumps.
-  std::vector<ChangeSensitivity> let_go(double t, std::size_t i, std::span<double> y);
+  /// Those of a change at t, where its obstacle jumps away or has a kink, or the load jumps: where the derivatives end
+  /// at t, of its time alone.
+  std::vector<ChangeSensitivity> at_break(double t, double end, std::size_t i, std::span<double> y);
   /// It has, y being the state after the change but for its derivatives.
   void after(double t, std::size_t i, std::span<double> y);
 
@@ -106,6 +108,9 @@ class Sensitivities {
   void complete(Derivative& derivative, const Moment& at, const Block& s);
   void book_momentum(double t, std::span<double> y, double sign);
   void differentiate_by_time(const Moment& at);
+  void shift_to_change(std::size_t k, const Block& s) const;
+  double break_rate(std::size_t k, double t, double end, const Contact& contact) const;
+  void strike_by_kink(const FrameJump& of_bar, const FrameJump& moved, const Moment& at, const Block& s);
   void shift(JumpFilter& filter, std::span<double> y);
   // The momentum that a shift changes is none of an obstacle's impulse.
   void account(double t, double sign, std::span<double> y);

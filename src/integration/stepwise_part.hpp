@@ -109,7 +109,7 @@ class StepwisePart {
       } else if (t >= leg_end_) {
         reach(t);
       }
-      if (t > begin && t < end && schedule_.due(t)) {
+      if (t > begin && t < end && schedule_.due(t) && !(change && has_passed_kink(t))) {
         if (!change) reach(t);
         return Checkpoint{t, next_output_, {}, archived(*this), frame_of(system_.bar())};
       }
@@ -169,7 +169,7 @@ class StepwisePart {
       const bool entered = checkpoint->frame == Checkpoint::Frame::entered;
       if (entered && sensitivities_) {
         leg_end_ = system_.load().begin_leg(checkpoint->time, times_.back());
-        sensitivities_->begin_leg(checkpoint->time, times_.back());
+        sensitivities_->begin_leg(checkpoint->time, times_.back(), y_);
         sensitivities_->enter_frame(checkpoint->time, y_);
       }
       restart(checkpoint->time, entered ? Leg::same : Leg::next);
@@ -314,7 +314,7 @@ class StepwisePart {
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (contacts_.closed(i)) contacts_.measure(i, u());
     leg_end_ = system_.load().begin_leg(t, times_.back());
-    if (leg != Leg::same) pass_kink(t);
+    if (leg != Leg::same && !has_passed_kink(t)) pass_kink(t);
     follow_load(t);
     system_.complete_velocity(t, u(), w());
     if (ends_ && leg == Leg::first && filter_.acts()) {  // the data are of the range of an end
@@ -332,7 +332,7 @@ class StepwisePart {
       else
         sensitivities_ ? sensitivities_->pass_break(filter_, t, times_.back(), y_, pass_break) : pass_break();
     }
-    if (sensitivities_) sensitivities_->begin_leg(t, times_.back());
+    if (sensitivities_) sensitivities_->begin_leg(t, times_.back(), y_);
     if (ends_) {
       ends_->measure_from(contacts_.origin().values());
       ends_->begin(t, u(), w());
@@ -366,6 +366,7 @@ class StepwisePart {
     const auto jump = system_.bar().kink(t, times_.back());
     if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump ? &*jump : nullptr, y_);
     if (!jump) return;
+    kink_ = t;
     const double before = layout_.work ? energy(contacts_, u(), w()) : 0.0;
     system_.bar().pass_kink(*jump, u(), w());
     tie_joints(contacts_, w());
@@ -378,6 +379,7 @@ class StepwisePart {
       if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
       contacts_.set_closed(i, false);
+      if (sensitivities_) changes_ = sensitivities_->at_break(t, times_.back(), i, y_);
       if (contacts_[i].sign * w()[node] < 0.0)
         strike(t, i, std::nullopt);
       else
@@ -385,12 +387,15 @@ class StepwisePart {
     }
   }
 
+  // A contact may change where its obstacle has a kink, and a leg begin there once more.
+  bool has_passed_kink(double t) const { return t - kink_ <= 2.0 * rounding_of_times(t, times_.back()); }
+
   void leave_obstacles(double t, const FrameJump& jump) {
     const double largest = stepper_.weights().largest_displacement();
     for (const std::size_t i : left_by_jump(contacts_, jump, t, u(), largest)) {
       contacts_.set_closed(i, false);
       system_.complete_velocity(t, u(), w());
-      if (sensitivities_) changes_ = sensitivities_->let_go(t, i, y_);
+      if (sensitivities_) changes_ = sensitivities_->at_break(t, times_.back(), i, y_);
       tell_event(t, i, Change::opening, w()[contacts_[i].unknown]);
     }
   }
@@ -448,8 +453,8 @@ class StepwisePart {
       const double told = pulled ? std::max(search_.pulled_since(t), watchdog_.last_change()) : t;
       const bool by_push = i == search_.first_contact() && search_.by_push();
       if (sensitivities_)
-        changes_ = opens && t == load_break_ ? sensitivities_->let_go(t, i, y_)
-                                             : sensitivities_->before(t, told, i, by_push, y_);
+        changes_ = (opens || by_push) && t == load_break_ ? sensitivities_->at_break(t, times_.back(), i, y_)
+                                                          : sensitivities_->before(t, told, i, by_push, y_);
       if (by_push && layout_.dissipated)
         y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * contacts_[i].law.stop()->energy(-contacts_.clearance(i, u()));
       if (!opens) close(t, i, velocity());
@@ -524,6 +529,8 @@ class StepwisePart {
     if (sensitivities_) sensitivities_->rebound(i, changes_);
     for (const std::size_t k : collision.released) {
       if (sensitivities_) sensitivities_->lose(t, "an impact opens another contact", y_);
+      // They are at the time of the impact, each with a velocity of its own.
+      for (ChangeSensitivity& told : changes_) told.velocity = std::numeric_limits<double>::quiet_NaN();
       tell_event(t, k, Change::opening, contacts_[k].of(w()));
     }
     if (collision.rests)
@@ -540,7 +547,7 @@ class StepwisePart {
     search_.distrust(watchdog_.last_contact(), toggles > 0 ? share : 0.0);
   }
 
-  // The velocity of the frame at a contact is that of its obstacle.
+  // The velocity of the frame at a contact is that of its obstacle, at a kink on the side of the leg.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
     return bar.moving() ? bar.lift_at(contacts_[i], system_.load().lift(t, 1)) : 0.0;
@@ -623,6 +630,7 @@ class StepwisePart {
   std::vector<std::size_t> selected_;      // positions of sampled entries
   std::array<double, 3> account_shift_{};  // of the account of this leg
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
+  double kink_ = load_break_;  // the last one that has been passed
   std::size_t next_output_ = 0;
   std::optional<Withheld> withheld_;
   bool starts_in_contact_ = false;  // the filter keeps the motion after an impact

@@ -176,6 +176,48 @@ TEST(MovingObstacle, ThatJumpsAwayLetsTheBarGo) {
   }
 }
 
+// The stop has so much of a damper that it lets go where the obstacle stops, at t = 0.775. The bar's own velocities do
+// not jump there, and its end has that which the opening tells.
+TEST(MovingObstacle, WhoseKinkLetsTheBarGoHasItOnce) {
+  for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
+    const Recording found = record(parse_scene(fmt::format(R"~(
+[bar]
+length = 1.2
+viscosity = 0.08
+[left]
+kind = "obstacle"
+gap = "max(0.1 - 0.4*t, -0.21)"
+contact = {{ law = "spring_damper", stiffness = 50.0, damping = 6.0 }}
+[right]
+kind = "free"
+force = -0.8
+dashpot = 0.2
+[mesh]
+elements = 10
+mass = "fourth_order"
+[method]
+name = "{}"
+relative_tolerance = 1e-8
+[time]
+end = 0.7751
+[output]
+every = 0.00021
+)~",
+                                                           method),
+                                               "", {})
+                                       .run);
+    ASSERT_EQ(found.events.size(), 2u) << method;
+    EXPECT_EQ(found.events[1].change, Change::opening);
+    EXPECT_NEAR(found.events[1].time, 0.775, 1e-12) << method;
+    const std::size_t nodes = found.mesh.nodes();
+    ASSERT_EQ(found.v.size() % nodes, 0u);
+    const double *after = &found.v[found.v.size() - nodes], *before = after - nodes;
+    EXPECT_LT(found.times[found.times.size() - 2], 0.775);
+    for (const std::size_t j : {std::size_t{0}, nodes - 1}) EXPECT_NEAR(after[j], before[j], 0.03) << method;
+    EXPECT_NEAR(found.events[1].velocity, before[0], 0.01) << method;
+  }
+}
+
 TEST(MovingObstacle, ThatJumpsIntoTheBarIsRefusedAndOneThatJumpsAwayRuns) {
   const auto scene = [](const std::string& gap, const std::string& method, double viscosity = 0.1) {
     return fmt::format(

@@ -18,9 +18,13 @@ struct Driven {
   std::string ends;               // tables of the ends
   std::vector<std::string> keys;  // to differentiate by
   const char* bar = "viscosity = 0.08";
+  std::vector<std::string> settings{};
+  const char* scene = nullptr;  // all of it, in place of what is above
+  bool has_velocities = true;   // of contact changes
 };
 
 std::string scene_of(const Driven& driven) {
+  if (driven.scene) return driven.scene;
   return fmt::format(R"~(
 [bar]
 length = 1.2
@@ -70,16 +74,22 @@ double value(const SceneFile& scene, const std::string& key) {
   if (key == "parameters.push") return 0.4;
   if (key == "parameters.omega") return 3.0;
   if (key == "parameters.depth") return 0.1;
+  if (key == "parameters.c") return -0.6;
   return 1.0;
 }
 
 // Central differences of runs over 1e-4: their error is the square of that, times a third derivative, and 1e-10 over
 // it, 1e-6 times what the tolerance promises.
 void expect_slopes(const Driven& driven, const std::string& method) {
-  const std::string text = scene_of(driven), name = fmt::format("method.name={}", method);
+  const std::string text = scene_of(driven);
+  const auto set = [&](const std::string& more) {
+    std::vector<std::string> all = driven.settings;
+    all.insert(all.end(), {fmt::format("method.name={}", method), more});
+    return all;
+  };
   std::string list;
   for (const std::string& key : driven.keys) list += fmt::format("{}\"{}\"", list.empty() ? "" : ",", key);
-  const SceneFile scene = parsed(text, {name, "sensitivity.of=[" + list + "]"});
+  const SceneFile scene = parsed(text, set("sensitivity.of=[" + list + "]"));
   const Recording with = record(scene.run);
   ASSERT_FALSE(with.statistics.sensitivity->lost.has_value()) << with.statistics.sensitivity->why;
   ASSERT_EQ(with.sensitivities.size(), driven.keys.size());
@@ -88,9 +98,9 @@ void expect_slopes(const Driven& driven, const std::string& method) {
     const std::string& key = driven.keys[k];
     const std::string what = fmt::format("{}: {} by {}", driven.what, key, method);
     // A contact node without mass relaxes in 1/150, and the gap moves its contact times most.
-    const double step = key == "left.gap" ? 1e-5 : 1e-4;
+    const double step = key == "left.gap" || key == "parameters.depth" ? 1e-5 : 1e-4;
     const auto moved = [&](double by) {
-      return record(parsed(text, {name, fmt::format("{}={}", key, value(scene, key) + by)}).run);
+      return record(parsed(text, set(fmt::format("{}={}", key, value(scene, key) + by))).run);
     };
     const Recording more = moved(step), less = moved(-step);
     const auto compare = [&](const std::vector<double>& told, const std::vector<double>& high,
@@ -115,10 +125,14 @@ void expect_slopes(const Driven& driven, const std::string& method) {
     for (std::size_t i = 0; i < with.events.size(); ++i) {
       const ChangeSensitivity& change = with.events[i].sensitivities[k];
       near(change.time, more.events[i].time, less.events[i].time, "time");
-      near(change.velocity, more.events[i].velocity, less.events[i].velocity, "velocity");
+      if (driven.has_velocities) near(change.velocity, more.events[i].velocity, less.events[i].velocity, "velocity");
     }
-    near(with.statistics.sensitivity->impulse_left[k], more.statistics.account->left.impulse,
-         less.statistics.account->left.impulse, "impulse");
+    if (is_obstacle(scene.run.scene.left))
+      near(with.statistics.sensitivity->impulse_left[k], more.statistics.account->left.impulse,
+           less.statistics.account->left.impulse, "impulse");
+    if (is_obstacle(scene.run.scene.right))
+      near(with.statistics.sensitivity->impulse_right[k], more.statistics.account->right.impulse,
+           less.statistics.account->right.impulse, "impulse");
     near(with.statistics.sensitivity->energy[k], more.statistics.energy->final, less.statistics.energy->final,
          "energy");
   }
@@ -219,6 +233,146 @@ motion = "min(push*t, 0.2)")~",
   ASSERT_TRUE(found.statistics.sensitivity->lost.has_value());
   EXPECT_NEAR(*found.statistics.sensitivity->lost, 0.5, 1e-12);
   EXPECT_NE(found.statistics.sensitivity->why.find("parameters.push"), std::string::npos);
+}
+
+// The obstacle comes to the bar, which a force holds against it, and stops in touch: at 0.31 / push, where the force of
+// a dashpot jumps, as does that of a row which an obstacle holds without mass.
+TEST(SensitivitiesOfDrivenEnds, PassAKinkOfAnObstacleThatMovesWithTheParameter) {
+  const std::vector<std::string> keys = {"parameters.push", "parameters.depth", "bar.viscosity"};
+  const std::string mass = "mesh.mass=fourth_order";
+  const std::string hertz = "left.contact={ law = \"hunt_crossley\", stiffness = 50.0, damping = 20.0 }";
+  for (const bool right : {false, true}) {
+    const std::string ends =
+        fmt::format(R"~(
+[{}]
+kind = "obstacle"
+side = "{}"
+gap = "max(depth - push*t, -0.21)"
+[{}]
+kind = "free"
+force = {}
+dashpot = 0.2)~",
+                    right ? "right" : "left", right ? "above" : "below", right ? "left" : "right", right ? 0.8 : -0.8);
+    for (const char* method : {"cvode", "ida", "arkode"}) {
+      expect_slopes({"springs", ends, keys, "viscosity = 0.08", {mass}}, method);
+      expect_slopes({"dashpots", ends, keys, "viscosity = 0.08", {"contact.restitution=0.4", mass}}, method);
+      if (!right) expect_slopes({"a law", ends, keys, "viscosity = 0.08", {hertz, mass}}, method);
+    }
+    expect_slopes({"a row", ends, keys, "viscosity = 0.08", {"mesh.mass=redistributed"}}, "rigid");
+  }
+}
+
+// The kink is at t = 0.15 / a, where the obstacle turns away from the bar that moves on with it.
+TEST(SensitivitiesOfDrivenEnds, KnowWhenAKinkOpensAContact) {
+  const SceneFile scene = parsed(R"~(
+[bar]
+length = 1.0
+viscosity = 0.1
+[left]
+kind = "obstacle"
+gap = "max(0.05, 0.2 - a*t)"
+force = -0.7
+[initial]
+velocity = -0.5
+[mesh]
+elements = 20
+[method]
+name = "rigid"
+[time]
+end = 2.0
+[parameters]
+a = 0.1
+[sensitivity]
+of = ["bar.viscosity", "parameters.a"]
+)~",
+                                 {});
+  const Recording found = record(scene.run);
+  ASSERT_GE(found.events.size(), 3u);
+  EXPECT_EQ(found.events[1].change, Change::opening);
+  EXPECT_NEAR(found.events[1].time, 1.5, 1e-12);
+  EXPECT_EQ(found.events[1].sensitivities[0].time, 0.0);
+  EXPECT_NEAR(found.events[1].sensitivities[1].time, -15.0, 1e-9);
+  for (const std::size_t k : {0, 1}) {
+    EXPECT_TRUE(std::isnan(found.events[1].sensitivities[k].velocity));
+    EXPECT_TRUE(std::isnan(found.events[2].sensitivities[k].time));
+  }
+  ASSERT_TRUE(found.statistics.sensitivity->lost.has_value());
+  EXPECT_NEAR(*found.statistics.sensitivity->lost, 1.5, 1e-12);
+}
+
+// A force that turns at 0.7 presses the end back before it has got away: what the mesh does not resolve of that is put
+// right at once, and no further than the obstacle.
+TEST(SensitivitiesOfDrivenEnds, PassAJumpThatPutsAnEndOnItsObstacle) {
+  for (const char* method : {"cvode", "ida", "arkode"})
+    expect_slopes({"a force that turns",
+                   "",
+                   {"bar.modulus", "left.gap", "bar.density", "left.stiffness"},
+                   "",
+                   {},
+                   R"~(
+[bar]
+length = 0.536
+density = 0.6494
+modulus = 1.143
+viscosity = 0.01096
+[left]
+kind = "obstacle"
+gap = 0.08677
+side = "above"
+stiffness = 2.827
+force = "t < 0.7 ? -0.06443 : 0.06443"
+[right]
+kind = "free"
+mass = 1.212
+[initial]
+velocity = "1.193*x*x"
+[contact]
+epsilon = 0.003155
+[mesh]
+elements = 8
+mass = "fourth_order"
+[method]
+relative_tolerance = 1e-10
+[time]
+end = 1.0
+[output]
+every = 0.02
+)~"},
+                  method);
+}
+
+// A node without mass or viscosity follows the load at once, and its derivative that of the load.
+TEST(SensitivitiesOfDrivenEnds, FollowAJumpOfTheLoadThatAParameterMultiplies) {
+  for (const char* method : {"rigid", "ida", "arkode"})
+    expect_slopes({"a load that ends",
+                   "",
+                   {"parameters.c", "left.gap"},
+                   "",
+                   {},
+                   R"~(
+[bar]
+length = 1.0
+[left]
+kind = "obstacle"
+gap = 0.1
+[initial]
+velocity = -0.5
+[load]
+density = "t < 1 ? c : 0"
+[contact]
+epsilon = 1e-3
+[mesh]
+elements = 8
+mass = "redistributed"
+[method]
+relative_tolerance = 1e-10
+[time]
+end = 1.5
+[parameters]
+c = -0.6
+)~",
+                   false},
+                  method);
 }
 
 }  // namespace

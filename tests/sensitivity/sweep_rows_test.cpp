@@ -45,7 +45,7 @@ TEST(SensitivitiesInSweeps, AreThoseOfEachRunAndSurviveTheFile) {
     for (const std::size_t k : {0, 1}) {
       const double* derivatives = rows[i].derivatives.data() + 5 * k;
       EXPECT_EQ(derivatives[0], told.impulse_left[k]);
-      EXPECT_EQ(derivatives[1], told.impulse_right[k]);
+      EXPECT_TRUE(std::isnan(derivatives[1]) && std::isnan(told.impulse_right[k])) << "without an obstacle there";
       EXPECT_EQ(derivatives[2], told.energy[k]);
       for (const std::size_t change : {0, 1}) {
         if (run.events.empty())

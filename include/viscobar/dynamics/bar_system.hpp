@@ -241,8 +241,8 @@ class BarSystem {
   /// Applies a jump of the frame to displacements and velocities in it: u -= jump, so that the bar stays where it is,
   /// and w -= (rho M)^{-1} rho M jump, which without fixed ends leaves those of the bar.
   void pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const;
-  /// gap(t) after less before a time at which it jumps; else 0.
-  double gap_jump(const Contact& contact, double t, double end) const;
+  /// gap(t), or a derivative of it, after less before a time at which that jumps; else 0.
+  double gap_jump(const Contact& contact, double t, double end, int derivative = 0) const;
   /// A displacement of the frame, or its rate, against which a contact is measured: none at a joint, where it is the
   /// same on both sides.
   double lift_at(const Contact& contact, const Lift& lift) const {

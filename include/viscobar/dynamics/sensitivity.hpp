@@ -53,8 +53,8 @@ struct ChangeSensitivity {
 
 /// Derivatives of the accounts of a run, an entry for each direction.
 struct SensitivityAccount {
-  std::vector<double> impulse_left;   ///< of the impulse on the left end, so far
-  std::vector<double> impulse_right;  ///< of the impulse on the right end, so far
+  std::vector<double> impulse_left;   ///< of the impulse on the left end, so far; NaN without an obstacle there
+  std::vector<double> impulse_right;  ///< of the impulse on the right end, so far; NaN, too
   std::vector<double> energy;         ///< of the final energy
   std::optional<double> lost;         ///< from when on there are no derivatives
   std::string why;                    ///< they are lost, in words
