@@ -37,8 +37,8 @@ constexpr std::pair<std::string_view, Size> whole[] = {{"%", {0.01, {}}},
 constexpr std::pair<std::string_view, Size> with_prefix[] = {
     {"Pa", {1, stress}}, {"s", {1, time}}, {"m", {1, length}}, {"N", {1, force}}, {"g", {1e-3, mass}}};
 constexpr std::pair<std::string_view, double> prefixes[] = {
-    {"", 1.0},   {"k", 1e3},  {"M", 1e6},         {"G", 1e9},         {"c", 1e-2},
-    {"m", 1e-3}, {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6}, {"n", 1e-9}};
+    {"", 1.0},   {"k", 1e3},         {"M", 1e6},         {"G", 1e9},     {"c", 1e-2}, {"m", 1e-3},
+    {"u", 1e-6}, {"\xc2\xb5", 1e-6}, {"\xce\xbc", 1e-6}, {"\xb5", 1e-6}, {"n", 1e-9}};
 
 std::optional<Size> size_of_name(std::string_view name) {
   for (const auto& [known, size] : whole)
@@ -51,7 +51,7 @@ std::optional<Size> size_of_name(std::string_view name) {
 }
 
 /// Reads "N s/(m^2 kg)", "m/s2", "kg m² s^-2": what follows a "/" up to the next mark divides, and so does all
-/// of a parenthesis after it.
+/// of a parenthesis after it. Signs beyond ASCII may be in UTF-8 or, as instruments write them, in Latin-1.
 class Reader {
  public:
   explicit Reader(std::string_view text) : rest_(text) {}
@@ -69,8 +69,8 @@ class Reader {
   }
 
   std::optional<double> exponent() {
-    if (skip("\xc2\xb2")) return 2.0;
-    if (skip("\xc2\xb3")) return 3.0;
+    if (skip("\xc2\xb2") || skip("\xb2")) return 2.0;
+    if (skip("\xc2\xb3") || skip("\xb3")) return 3.0;
     const bool marked = skip("^");
     double value = 1.0;
     const auto [end, error] =
@@ -83,7 +83,7 @@ class Reader {
   std::optional<Size> name() {
     const std::size_t micro = rest_.starts_with("\xc2\xb5") ? 2 : 0;
     const std::string_view text =
-        rest_.substr(0, std::min(rest_.find_first_of(" */().^-0123456789\xc2", micro), rest_.size()));
+        rest_.substr(0, std::min(rest_.find_first_of(" */().^-0123456789\xc2\xb2\xb3\xb7", micro), rest_.size()));
     rest_.remove_prefix(text.size());
     return size_of_name(text);
   }
@@ -110,7 +110,7 @@ class Reader {
       sign = 1.0;
       if (skip("/"))
         sign = -1.0;
-      else if (!skip("*") && !skip("\xc2\xb7") && !skip(" "))
+      else if (!skip("*") && !skip("\xc2\xb7") && !skip("\xb7") && !skip(" "))
         return all;
     }
   }

@@ -234,8 +234,12 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
                       "{}: the end goes with its motion at once, and sends a front",
                       end.name, number(begins, Dimension::velocity, 6), number(v, Dimension::velocity, 6)));
   }
+  const auto met = [&](Where where) {
+    return !foreseen || std::ranges::find(foreseen->impacts, where, &FirstImpact::where) != foreseen->impacts.end();
+  };
   for (const ContactRegime& regime : regimes)
-    if (regime.chatters) found.push_back(advice(setup, regime, !foreseen || foreseen->chatters.value_or(true)));
+    if (regime.chatters && met(regime.where))
+      found.push_back(advice(setup, regime, !foreseen || foreseen->chatters.value_or(true)));
   const double displacement = natural_scales(system, run.end).displacement;
   for (const ContactRegime& regime : regimes)
     if (const double gap = gap_of(run.scene, regime.where);

@@ -77,6 +77,8 @@ TEST_F(Check, SaysWhatAvoidsThePlateau) {
   const std::string half = of(scene("chatter") + " --set contact.restitution=0.5")["warnings"].dump();
   EXPECT_EQ(half.find("plateau"), std::string::npos) << "a common restitution has none";
   EXPECT_NE(half.find("share one limit"), std::string::npos);
+  const std::string away = of(scene("chatter") + " --set initial.velocity=0")["warnings"].dump();
+  EXPECT_EQ(away.find("chatter"), std::string::npos) << "an end that no contact closes at: " << away;
 }
 
 }  // namespace

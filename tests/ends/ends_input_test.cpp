@@ -46,6 +46,10 @@ TEST(EndKeys, WithValuesOutOfRangeAreRefused) {
   expect_mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"x\""), "left.gap", "");
   expect_mistake(scene("[left]\nkind = \"free\"\nforce = \"1/t\""), "left.force", "at t = 0");
   expect_mistake(scene("[left]\nkind = \"fixed\"\nmotion = \"cos(t)\""), "left.motion", "must be 0 at t = 0");
+  expect_mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"log(t)\""), "left.gap",
+                 "must be finite and >= 0, is -inf");
+  EXPECT_EQ(mistake(scene("[left]\nkind = \"obstacle\"\ngap = \"log(t)\"")).find("initial displacement"),
+            std::string::npos);
   expect_mistake(scene("[left]\nkind = \"fixed\"\nmotion = 0.5"), "left.motion", "must be 0 at t = 0");
 }
 

@@ -218,6 +218,8 @@ TEST(UnitRatio, IsThatOfProductsQuotientsAndPowers) {
   EXPECT_DOUBLE_EQ(ratio("MPa", "N/mm²"), 1.0);
   EXPECT_DOUBLE_EQ(ratio("m/s2", "mm s^-2"), 1e3);
   EXPECT_DOUBLE_EQ(ratio("µm/m", "%"), 1e-4);
+  EXPECT_DOUBLE_EQ(ratio("\xb5m", "mm"), 1e-3);  // in Latin-1
+  EXPECT_DOUBLE_EQ(ratio("N\xb7mm\xb2/s\xb3", "N m^2/s^3"), 1e-6);
   EXPECT_DOUBLE_EQ(ratio("km/h", "m/s"), 1.0 / 3.6);
   EXPECT_DOUBLE_EQ(ratio("1/ms", "1/s"), 1e3);
   EXPECT_DOUBLE_EQ(ratio("in", "mm"), 25.4);

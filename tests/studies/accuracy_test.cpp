@@ -288,6 +288,65 @@ TEST(AccuracyOnRequest, FreeEndsThatMeetASpanObstacleHaveOrder1OnFourthOrderAnd2
   EXPECT_NEAR(order("lumped"), 2.0, 0.35);
 }
 
+// The nodes touch from right to left.
+constexpr const char* thrown_under_a_span =
+    "[bar]\nlength=1\nviscosity=0.003607\n[span]\ngap=0.1075\n[initial]\nvelocity=\"-1.189*(1+0.3*x)\"\n"
+    "[time]\nend=3.143\n[mesh]\nelements=20\n[contact]\nrestitution=0.1647\n[output]\nevery=0.05\n";
+
+Case under_a_span(const std::vector<std::string>& settings) {
+  return parse_scene(thrown_under_a_span, "scene", settings).run;
+}
+
+double left_at_end(const Case& run) { return accuracy::sample_of(run, run.output_times()).u.end()[-1]; }
+
+// Differences between meshes double with each, from 0.004 on: 20 to 1280 elements are 0.2 apart.
+TEST(Estimates, OfARestitutionUnderASpanCoverTheRestitution0ThatMeshesOfAViscousBarTendTo) {
+  for (const char* impact : {"paoli_schatzman", "moreau"}) {
+    const auto law = fmt::format("method.impact={}", impact);
+    const double limit = left_at_end(under_a_span({"contact.restitution=0", "mesh.elements=80"}));
+    for (const std::size_t elements : {20, 80}) {
+      const Case run = under_a_span({law, "method.name=fully_discrete", fmt::format("mesh.elements={}", elements)});
+      const accuracy::QuickEstimate found = accuracy::quick_estimate(run, {}, 60.0);
+      ASSERT_TRUE(found.estimate) << found.why_not;
+      EXPECT_GT(found.estimate->total, 0.9 * std::abs(left_at_end(run) - limit));
+      EXPECT_NE(found.estimate->doubt.find("tend to restitution 0"), std::string::npos) << found.estimate->doubt;
+      EXPECT_FALSE(found.estimate->order);
+    }
+  }
+  const AccuracyResult asked = solve(study_of(thrown_under_a_span, {"accuracy.error=1e-2", "mesh.elements="}));
+  EXPECT_FALSE(asked.estimate.kept);
+  EXPECT_NE(asked.estimate.doubt.find("tend to restitution 0"), std::string::npos) << asked.estimate.doubt;
+}
+
+// Without restitution, without viscosity, and where all nodes touch at once.
+TEST(Estimates, OfASpanThatLosesNoReboundHaveNoDoubt) {
+  for (const auto& [setting, most] :
+       {std::pair{"contact.restitution=0", 0.03}, {"bar.viscosity=0", 0.2}, {"initial.velocity=-1.189", 1e-3}}) {
+    const accuracy::QuickEstimate found = accuracy::quick_estimate(under_a_span({setting}), {}, 60.0);
+    ASSERT_TRUE(found.estimate) << found.why_not;
+    EXPECT_EQ(found.estimate->doubt, "") << setting;
+    EXPECT_LT(found.estimate->total, most) << setting;
+  }
+}
+
+// A border of contact that runs at V leaves the node before it h / V to be pulled by one that is thrown back: on meshes
+// finer than eta / (rho V), here 1/80, it comes slowly, and there is little to throw back.
+TEST(RestitutionUnderASpan, IsLostOnFineMeshesOfAViscousBarWhoseNodesTouchOneAfterAnother) {
+  const auto end = [](const char* elements, const char* restitution) {
+    return left_at_end(under_a_span({"bar.viscosity=0.8537", "span.gap=0.0636", "initial.velocity=-1.298*(1+0.3*x)",
+                                     "time.end=0.5", "output.every=0.5", fmt::format("mesh.elements={}", elements),
+                                     fmt::format("contact.restitution={}", restitution)}));
+  };
+  const double flat = left_at_end(under_a_span({"bar.viscosity=0.8537", "span.gap=0.0636", "initial.velocity=-1.298",
+                                                "time.end=0.5", "output.every=0.5", "contact.restitution=0.6784"}));
+  const double coarse = end("20", "0.6784"), finer = end("80", "0.6784"), fine = end("320", "0.6784"),
+               limit = end("80", "0");
+  EXPECT_GT(flat - limit, 0.3);
+  EXPECT_LT(fine - limit, 0.65 * (finer - limit));
+  EXPECT_LT(finer - limit, 0.85 * (coarse - limit));
+  EXPECT_GT(fine, limit);
+}
+
 // Waves without viscosity on a mesh, beside the waves themselves.
 TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   const char* bar =
@@ -318,6 +377,15 @@ TEST(SpaceErrorOfALadder, IsThatOfAnOrderThatIsSeenTwiceAndTwoFifthsMore) {
   EXPECT_NEAR(*error.trusted, 4.0, 1e-12);
   EXPECT_NEAR(error.error, 1.4 * 1e-6 / 15.0, 1e-18);
   EXPECT_NEAR(error.effectivity, 1.4, 1e-12);
+}
+
+// Three differences that double show no limit, unless the changes point elsewhere each time, as those of a chatter.
+TEST(SpaceErrorOfALadder, DoesNotSettleWhereDifferencesGrowOneWay) {
+  const MeshStep growing[] = {{20, 40, 0.0037}, {40, 80, 0.0070, 1.0}, {80, 160, 0.0138, 1.0}};
+  EXPECT_FALSE(accuracy::space_error(growing, 1.0).settles);
+  EXPECT_TRUE(accuracy::space_error(std::span(growing).first(2), 1.0).settles);
+  const MeshStep wandering[] = {{20, 40, 0.0037}, {40, 80, 0.0070, 1.0}, {80, 160, 0.0138, 0.2}};
+  EXPECT_TRUE(accuracy::space_error(wandering, 1.0).settles);
 }
 
 // With errors h^4 on 16, 32 and 48 elements.

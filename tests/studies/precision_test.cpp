@@ -8,6 +8,7 @@
 
 #include "support/absolute_tolerance.hpp"
 #include "support/paper_throw.hpp"
+#include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/exact/exact_solutions.hpp"
 
 namespace viscobar {
@@ -208,6 +209,26 @@ TEST(Precision, AFinerRunIsAsGoodAsItSays) {
   // The estimate takes the difference of two meshes for that of all finer ones: right to the digit that it is given to.
   for (std::size_t i = 0; i < exact.rows.size(); ++i)
     EXPECT_NEAR(*finer.rows[i].error, *exact.rows[i].error, 1.5 * finer.reference->error) << exact.rows[i].label;
+}
+
+// From 16 to 1024 elements the differences double.
+TEST(Precision, MeshesThatRunAwayFromEachOtherAreNoReference) {
+  PrecisionStudy study;
+  study.scene = parse_scene(
+                    "[bar]\nlength=1\nviscosity=0.0036\n[span]\ngap=0.1\n[initial]\n"
+                    "velocity=\"-1.2*(1+0.3*x)\"\n[time]\nend=0.4\n[mesh]\nelements=16\n"
+                    "[contact]\nrestitution=0.16\n[output]\nevery=0.05\n",
+                    "scene", {})
+                    .run;
+  study.methods = {MethodName::fully_discrete};
+  study.halvings = 0;
+  study.repeat = 3;
+  study.seconds = 60.0;
+  const PrecisionResult result = precision_of(study);
+  EXPECT_FALSE(result.reference->settles);
+  EXPECT_GE(result.reference->error, result.reference->largest_displacement);
+  study.scene.restitution = 0.0;
+  EXPECT_TRUE(precision_of(study).reference->settles);
 }
 
 TEST(Precision, TimeReferencesAreCheckedBySomethingElse) {

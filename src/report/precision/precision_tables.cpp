@@ -185,6 +185,10 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
           fmt::format("{} on {} elements does not tend to that semi-discrete solution: its time error stays "
                       "near {} however small the step",
                       name(parts.method), parts.elements, number(*stuck, Dimension::length)));
+  if (result.reference && !result.reference->settles)
+    found.emplace_back(
+        "The meshes of the reference are further from each other the finer they are: they show no limit, and no error "
+        "below its own is told");
   if (result.core_share < 0.9)
     found.push_back(
         fmt::format("Other work kept the machine busy: the timed runs had {:.0f} % of a core, so seconds are "

@@ -19,6 +19,17 @@ Setting nudged(Setting setting) {
   return setting;
 }
 
+// True if the places that are kept move as one at all times.
+bool flat(const Sample& sample) {
+  constexpr double alike = 1e-9;
+  const double most = alike * largest(sample, Goal::displacement);
+  for (std::size_t k = 0; k < sample.rows(); ++k) {
+    const auto [low, high] = std::minmax_element(sample.row(k), sample.row(k) + sample.x.size());
+    if (*high - *low > most) return false;
+  }
+  return true;
+}
+
 std::string plural(std::size_t count) { return fmt::format("{} contact change{}", count, count == 1 ? "" : "s"); }
 
 }  // namespace
@@ -29,8 +40,44 @@ std::vector<Setting> Plan::wanted_by_judge() const {
   std::vector<Setting> all = rungs_;
   for (const auto& pair : {time_pair(coarse()), penalty_pair(coarse())})
     all.insert(all.end(), pair.begin(), pair.end());
+  if (const auto stopped = without_rebound()) all.push_back(*stopped);
   std::erase(all, chosen_);
   return all;
+}
+
+// The mesh below the finest with restitution 0. The rebound that is lost between the two is no less than on the finest.
+std::optional<Setting> Plan::without_rebound() const {
+  if (!loses_rebound_ || rungs_.empty()) return std::nullopt;
+  Setting stopped = rungs_[rungs_.size() - std::min<std::size_t>(rungs_.size(), 2)];
+  stopped.stopped = true;
+  return stopped;
+}
+
+// Adds to the error what finer meshes change more than coarser ones show; returns why it is not to be relied on.
+std::string Plan::count_what_grows(SpaceError& space, const std::vector<MeshStep>& steps, const Part& time) {
+  constexpr double far = 5.0, rounding_share = 1e-12;  // of what rounding and integration leave
+  const auto raise = [&](double error) {
+    if (space.error > 0.0) space.effectivity *= error / space.error;
+    space.error = error;
+    space.trusted.reset();
+  };
+  if (const auto stopped = without_rebound(); stopped && !flat(runs_.of(chosen_))) {
+    Setting thrown = *stopped;
+    thrown.stopped = false;
+    const double lost = apart(thrown, *stopped);
+    const bool counts = lost > std::min(space.error, *requested_);
+    raise(space.error + lost);
+    if (!counts) return {};
+    return fmt::format(
+        "the result is that of its mesh: finer ones of a viscous bar lose the rebound of nodes that reach the span "
+        "obstacle one after another, and tend to restitution 0, {:.2g} from this",
+        lost);
+  }
+  if (space.settles || steps.back().distance <= far * (time.error + rounding_share * largest_)) return {};
+  raise(std::max(space.error, largest_));
+  return fmt::format(
+      "the result does not settle: the runs on {}, {} and {} elements are further from each other the finer they are",
+      steps.end()[-2].coarse, steps.back().coarse, steps.back().fine);
 }
 
 // The change of the data as a displacement.
@@ -180,8 +227,9 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   const std::size_t elements = chosen_.elements;
   bool same = true;
   const std::vector<MeshStep> steps = ladder(rungs_, &same);
-  const SpaceError space = seen_error(steps);
+  SpaceError space = seen_error(steps);
   const Part time = time_error(coarse()), penalty = penalty_error(coarse());
+  const std::string unsettled = count_what_grows(space, steps, time);
   estimate.space = space.error;
   estimate.order = space.trusted;
   estimate.effectivity = space.effectivity;
@@ -189,6 +237,7 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   estimate.penalty = penalty.error;
   estimate.total = estimate.space + estimate.time + estimate.penalty;
   if (as_it_is_) {
+    estimate.doubt = unsettled;
     tell_runs(estimate);
     if (penalised_) estimate.reasons.push_back(contact_law(resolve(judged)));
     if (const std::size_t least = data_error_.least(); least > elements)
@@ -198,6 +247,7 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   }
 
   const bool enough = estimate.total <= *requested_;
+  if (!enough && doubt_.empty()) doubt_ = unsettled;  // no finer mesh is tried
   std::string doubt = doubt_;
   if (!same && doubt.empty()) {
     const auto changes = [&](const Setting& of) { return plural(runs_.of(of).statistics.events); };
@@ -205,7 +255,7 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
     doubt = fmt::format("the meshes of {} and {} elements do not have the same contacts, with {} and {}", half.elements,
                         elements, changes(half), changes(chosen_));
   }
-  if (!enough)
+  if (!enough && unsettled.empty())
     if (const std::string fixed = kept_by_scene(estimate, space.order, penalty.order); !fixed.empty()) doubt = fixed;
   if (doubt_.empty() && (!same || !enough) && tries_ + 1 < most_tries) {
     ++tries_;

@@ -63,6 +63,7 @@ Plan::Plan(const AccuracyStudy& study)
     if (sound(better)) base_ = better;
   }
   theory_ = order_in_theory(base_);
+  loses_rebound_ = stepping_ && scene.span && scene.bar.viscosity > 0.0 && base_.restitution.value_or(0.0) > 0.0;
   ratio_ = stepping_ ? 2.0 : 10.0;
   time_order_ = stepping_ ? 1.0 : base_.method == MethodName::rigid ? 0.85 : 2.0 / 3.0;
   if (!study_.request.relative) requested_ = study_.request.error;
@@ -109,6 +110,7 @@ Case Plan::with(const Setting& setting) const {
     run.step = setting.fineness;
   else if (!exact_time_ && !waves_)
     run.tolerance = run.tolerance.with_relative(setting.fineness);
+  if (setting.stopped) run.restitution = 0.0;
   if (setting.nudged) {
     const auto add = [wave = nudge(run.scene, nudge_)](SpaceFunction& velocity, double begin) {
       velocity = [own = velocity, wave, begin](double x) { return own(x) + wave(begin + x); };

@@ -100,7 +100,7 @@ class Plan {
 
   // The verdict: judge.cpp.
   // The mesh on which settings in time and penalty are compared, and how much coarser it may be.
-  std::size_t coarser() const { return penalised_ || stepping_ ? 4 : 8; }
+  std::size_t coarser() const { return loses_rebound_ ? 1 : penalised_ || stepping_ ? 4 : 8; }
   std::size_t coarse() const {
     constexpr std::size_t few = 8;  // on which contacts are still like those of finer meshes
     return with_enough(std::max(chosen_.elements / coarser(),
@@ -111,6 +111,8 @@ class Plan {
   double magnification();
   ErrorEstimate judge_exact();
   void explain(ErrorEstimate& estimate, const Case& run) const;
+  std::optional<Setting> without_rebound() const;
+  std::string count_what_grows(SpaceError& space, const std::vector<MeshStep>& steps, const Part& time);
   std::string kept_by_scene(const ErrorEstimate& estimate, double order, double penalty_order) const;
   void tell_runs(ErrorEstimate& estimate) const;
 
@@ -125,6 +127,7 @@ class Plan {
   std::size_t timed_elements_ = least_elements;  // of that on which it compares settings in time and penalty
   bool begun_ = false;                           // with settings of a neighbour
   bool as_it_is_ = false, stepping_ = false, exact_time_ = false, waves_ = false, penalised_ = false;
+  bool loses_rebound_ = false;  // nodes of a viscous bar that a span obstacle throws back: docs/model.md
   Shares shares_;
   double ratio_ = 10.0, time_order_ = 0.0;  // of two settings in time; least order
   double nudge_ = 0.0;                      // of the initial velocity

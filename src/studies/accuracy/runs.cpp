@@ -96,7 +96,7 @@ void Runs::finish() {
 std::vector<Setting> Runs::known() const {
   std::vector<Setting> all;
   for (const auto& [setting, sample] : samples_)
-    if (!setting.nudged) all.push_back(setting);
+    if (!setting.nudged && !setting.stopped) all.push_back(setting);
   return all;
 }
 

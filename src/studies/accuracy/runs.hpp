@@ -13,12 +13,13 @@
 namespace viscobar::accuracy {
 
 /// Settings that runs differ in: J, the relative tolerance or the time step, epsilon (0: nothing is penalised), and
-/// whether the initial velocity is changed by a little.
+/// whether the initial velocity is changed by a little, or the restitution is 0.
 struct Setting {
   std::size_t elements = 0;
   double fineness = 0.0;
   double epsilon = 0.0;
   bool nudged = false;
+  bool stopped = false;
   auto operator<=>(const Setting&) const = default;
 };
 
@@ -46,7 +47,7 @@ class Runs {
   bool knows(const Setting& setting) const { return samples_.contains(setting); }
   const Sample& of(const Setting& setting) const { return samples_.at(setting); }
   const std::vector<double>& times() const { return times_; }
-  /// Those of the case itself, not nudged, in the order of their settings.
+  /// Those of the case itself, neither nudged nor stopped, in the order of their settings.
   std::vector<Setting> known() const;
   /// The solution, which somebody else ran.
   void add(const Setting& setting, Sample sample) { samples_.insert_or_assign(setting, std::move(sample)); }

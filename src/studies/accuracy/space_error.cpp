@@ -40,6 +40,8 @@ SpaceError space_error(std::span<const MeshStep> ladder, double theory) {
   if (ladder.size() >= 2) late = observed(ladder[ladder.size() - 2], last);
   if (ladder.size() >= 3) early = observed(ladder[ladder.size() - 3], ladder[ladder.size() - 2]);
   if (late) result.order = *late;
+  constexpr double same_way = 0.9;
+  result.settles = !(late && early && *late <= 0.0 && *early <= 0.0 && last.alignment >= same_way);
   // An order 4 trusted wrongly makes the estimate 15 times too small, an order 2 three times.
   const double least_alignment = theory > 2.0 ? 0.9 : 0.5;
   const bool steady =

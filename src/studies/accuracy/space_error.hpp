@@ -45,6 +45,7 @@ struct SpaceError {
   double order = 1.0;             ///< that was observed; of theory where none could be
   std::optional<double> trusted;  ///< the order that the error relies on
   double effectivity = 1.0;       ///< error / (d / (r^P - 1)), P the order of theory
+  bool settles = true;            ///< false where three differences grow and the last two point the same way
 };
 SpaceError space_error(std::span<const MeshStep> ladder, double theory);
 

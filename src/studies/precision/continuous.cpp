@@ -100,6 +100,13 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t e
   const double last = count > 1 ? changes.power(count - 2).value_or(1.0) : 1.0;
   const double order = std::clamp(reference.order.value_or(std::min(last, 1.0)), 0.3, 4.0);
   reference.error = difference / (std::exp2(order) - 1.0) + tolerance * reference.largest_displacement;
+  const auto grows = [&](std::size_t i) { return changes.power(i).value_or(1.0) <= 0.0; };
+  constexpr double far = 10.0;  // above what the tolerance leaves
+  if (count > 2 && grows(count - 2) && grows(count - 3) &&
+      difference > far * tolerance * reference.largest_displacement) {
+    reference.settles = false;
+    reference.error = std::max(reference.error, reference.largest_displacement);
+  }
   result.reference = std::move(reference);
   return result;
 }

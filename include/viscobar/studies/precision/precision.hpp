@@ -84,6 +84,7 @@ struct PrecisionReference {
   bool closed_form = false;  ///< a formula, of error 0, or characteristics, with the error that they tell
   double error =
       0.0;  ///< else of the finest, d / (2^p - 1) from its difference d to the one before, p the order, or 1 at most
+  bool settles = true;                ///< false where the last three d grow; the error is then max |u_*| or more
   std::optional<double> order;        ///< power of h; absent: not settled (see Sequence)
   std::vector<Level> levels;          ///< the meshes that it was refined over
   double largest_displacement = 0.0;  ///< max |u_*|
