@@ -171,6 +171,13 @@ AutomaticMethod automatic_method(const Case& run) {
           "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "
           "follows such a motion for long: a positive bar.viscosity has a smooth one",
           *time));
+    constexpr double most = 3e7;  // evaluations, some seconds
+    const double outputs = run.end / run.output_every;
+    if (const double evaluations = outputs * evaluations_of_output(scene, run.end); evaluations > most)
+      return meshed_because(fmt::format(
+          "a load in x and t takes some {:.1g} evaluations for {:.0f} outputs; fewer outputs, or a product of load.profile "
+          "and load.history, take less",
+          evaluations, outputs));
   } catch (const Unfit& unfit) {
     return meshed_because(unfit.finding.key + " " + unfit.finding.problem);
   } catch (const std::invalid_argument& misfit) {

@@ -37,7 +37,7 @@ std::span<const GaussPoint> clenshaw_curtis() {
 class GeneralGain final : public LoadGain {
  public:
   GeneralGain(const GeneralLoad& load, const Frame& frame, double passages)
-      : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame) {
+      : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame, load.sharp) {
     // A load that is small beside its values at other times need not be known to its own rounding.
     constexpr int samples = 300;
     double largest = 0.0;

@@ -93,12 +93,23 @@ struct Frame {
   double t(double time) const { return start + passage * time; }
 };
 
-// Breaks of a load in time, in passages, of the present passage and the one before.
+// Breaks of a load in time, in passages, of the present passage and the one before. Those that are not `sharp` show
+// where it is quick, in cells: of these a sixteenth is enough, since an integral looks at more places than cells.
 class Breaks {
  public:
-  Breaks(NextBreak next, const Frame& frame) : next_(std::move(next)), frame_(frame) {}
+  Breaks(NextBreak next, const Frame& frame, std::optional<NextBreak> sharp = {})
+      : next_(std::move(next)), sharp_(std::move(sharp)), frame_(frame) {}
 
   void enter(std::size_t passage) {
+    find(passage);
+    if (sharp_) thin();
+  }
+  std::span<const double> times() const { return sharp_ ? kept_ : times_; }
+
+ private:
+  static constexpr std::size_t most_breaks = 10'000;  // of a load, in one passage
+
+  void find(std::size_t passage) {
     const auto begin = static_cast<double>(passage);
     std::erase_if(times_, [&](double time) { return time < begin - 1.0; });
     if (passage == 0) times_.push_back(0.0);  // there the load begins
@@ -116,14 +127,29 @@ class Breaks {
       if (times_.empty() || time > times_.back()) times_.push_back(time);
     }
   }
-  std::span<const double> times() const { return times_; }
 
- private:
-  static constexpr std::size_t most_breaks = 10'000;  // of a load, in one passage
+  void thin() {
+    constexpr std::size_t cells = 16;
+    kept_.clear();
+    std::size_t passed = 0;
+    for (std::size_t k = 0; k < times_.size(); ++k) {
+      const double before = k > 0 ? times_[k] - times_[k - 1] : 0.0,
+                   behind = k + 1 < times_.size() ? times_[k + 1] - times_[k] : 0.0;
+      const bool inner = before < 4.0 * behind && behind < 4.0 * before;
+      if (inner && ++passed < cells && !is_sharp(times_[k])) continue;
+      passed = 0;
+      kept_.push_back(times_[k]);
+    }
+  }
+  bool is_sharp(double time) const {
+    const double t = frame_.t(time), apart = 1e-12 * (std::abs(t) + frame_.passage);
+    return *sharp_ && (*sharp_)(t - apart, t + apart).has_value();
+  }
 
   NextBreak next_;
+  std::optional<NextBreak> sharp_;
   Frame frame_;
-  std::vector<double> times_;
+  std::vector<double> times_, kept_;
 };
 
 // Gain from a load known by its values alone, in a run of so many passages.

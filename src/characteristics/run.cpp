@@ -359,4 +359,17 @@ std::optional<double> roughens(const Scene& scene, double end) {
   return std::nullopt;
 }
 
+double evaluations_of_output(const Scene& scene, double end) {
+  if (!scene.load || !std::holds_alternative<GeneralLoad>(*scene.load)) return 0.0;
+  const double times[] = {0.0, std::min(end, 0.5 * scene.bar.transit())};
+  const Characteristics method{.most_pieces = pieces_awaited};
+  Observers looking;
+  looking.snapshot = [](const Snapshot&) {};
+  looking.energy = true;
+  require(scene, times, method);
+  const PartEnd done =
+      characteristics::Run(scene, Mesh{scene.bar.length, 1}, nullptr, times, method, looking, work_awaited)();
+  return static_cast<double>(std::get<Statistics>(done).load_evaluations);
+}
+
 }  // namespace viscobar

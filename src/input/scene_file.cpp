@@ -72,8 +72,8 @@ std::optional<Load> load_of(const SceneEntries& entries, double length) {
     if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places(length)};
     if (!density->uses('x'))
       return SeparableLoad{[](double) { return 1.0; }, density->of_t(), density->breaks_and_pulses(0.0)};
-    return GeneralLoad{density->of_x_t(), density->breaks_and_pulses(length), density->breaks_at(),
-                       density->breaks_in_x_at(), density->detail_in_x_at(length)};
+    return GeneralLoad{density->of_x_t(),         density->breaks_and_pulses(length), density->breaks_at(),
+                       density->breaks_in_x_at(), density->detail_in_x_at(length),    density->breaks()};
   }
   const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;

@@ -210,6 +210,20 @@ TEST(Automatic, ConvergesWhereAStringIsThrownBackByAFlatBarrier) {
   EXPECT_LT(errors[2], errors[0] / 2.0);
 }
 
+TEST(Automatic, TakesRigidAndSaysWhyWhereALoadTakesTooManyValues) {
+  const auto choice = [](double every) {
+    Given given;
+    Case run = given.run();
+    run.scene.load = GeneralLoad{[](double x, double t) { return std::sin(40.0 * x * t); }};
+    run.end = 1.0;
+    run.output_every = every;
+    return automatic_method(run);
+  };
+  EXPECT_EQ(choice(0.1).method, MethodName::characteristics);
+  EXPECT_EQ(choice(1e-6).method, MethodName::rigid);
+  EXPECT_NE(choice(1e-6).warning.find("evaluations for 1000000 outputs"), std::string::npos) << choice(1e-6).warning;
+}
+
 TEST(Automatic, TakesRigidAndSaysWhyWhereADisplacementJumps) {
   Given given;
   Case run = given.run();

@@ -54,6 +54,24 @@ TEST(CharacteristicsCase, IsTheReferenceOfACrossCheckOfWhatItFits) {
   EXPECT_NE(fitting_methods(example("chatter.toml")).cases.front().method, MethodName::characteristics);
 }
 
+// Places where a load is quick are no breaks of it: each piece between them took an integral of its own, 4e7 values of
+// this load for one output.
+TEST(CharacteristicsCase, LooksAtATravellingLoadWhereItIsQuick) {
+  Case run =
+      parse_scene(
+          "[bar]\nlength = 1\n[left]\nkind = \"free\"\nmass = 2\n[load]\ndensity = \"exp(-20*(x-t)^2)\"\n[time]\nend = "
+          "2.5\n[output]\nevery = 0.5\n",
+          "")
+          .run;
+  ASSERT_EQ(run.method, MethodName::characteristics);
+  const Recording quick = record(run);
+  EXPECT_LT(quick.statistics.load_evaluations, 5'000'000u);
+  auto& load = std::get<GeneralLoad>(*run.scene.load);
+  load.breaks = {}, load.sharp.reset();
+  const Recording smooth = record(run);
+  for (std::size_t i = 0; i < smooth.u.size(); ++i) EXPECT_NEAR(quick.u[i], smooth.u[i], 1e-12);
+}
+
 TEST(CharacteristicsCase, GivesContactPeriodsTheirExactImpulses) {
   Case run = example("bouncing.toml", {"time.end=5", "output.every=0.7"});
   const Comparison check = compare(std::vector{run});

@@ -29,5 +29,6 @@ Statistics integrate(const Scene&, const Mesh&, const std::optional<Checkpoint>&
   refuse();
 }
 std::optional<double> roughens(const Scene&, double) { return std::nullopt; }
+double evaluations_of_output(const Scene&, double) { return 0.0; }
 
 }  // namespace viscobar

@@ -31,6 +31,10 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
 /// up to `end`, as far as 10^6 pieces, all passages together, or 10^7 evaluations of the load show.
 /// @throws as integrate()
 std::optional<double> roughens(const Scene& scene, double end);
+/// Evaluations of the load that an output takes, by one in the first passage: of one in x and t that of all waves that
+/// are under way then, some 10^5 for a smooth one; 0 of others, whose waves are known once for all.
+/// @throws as integrate()
+double evaluations_of_output(const Scene& scene, double end);
 
 /// Follows the waves from the scene's own data, or a checkpoint, at times.front() to times.back(), telling the
 /// observers. Snapshots are of the nodes of `mesh`, which has no other part in it; `times` are as of the other methods.

@@ -110,6 +110,9 @@ struct GeneralLoad {
   NextBreakAt breaks_at = {};    ///< those that are at another time for another x, such as a front that moves
   NextBreakAt breaks_in_x = {};  ///< of the density, at a time
   NextBreakAt detail_in_x = {};  ///< details of the density, as of Places; only an error estimate asks for them
+  /// The jumps and kinks among `breaks`; the others show where the density is quick, and that no step may pass. Absent:
+  /// all are jumps or kinks.
+  std::optional<NextBreak> sharp = {};
 };
 
 /// The density f of a load, in the narrowest kind that holds it.
