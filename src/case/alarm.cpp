@@ -35,6 +35,14 @@ double promised_balance(const Case& run, const BarSystem& system, double energy,
   return 200.0 * (run.tolerance.relative * energy + absolute.velocity * momentum + absolute.displacement * force);
 }
 
+// That of strains by a rounding of the displacements: a bar at rest has no other.
+double energy_of_rounding(const Bar& bar, const BarSystem& system) {
+  double far = 0.0;
+  for (const double u : system.initial_state().u) far = std::max(far, std::abs(u));
+  const double rounding = std::numeric_limits<double>::epsilon() * far;
+  return 0.5 * bar.modulus / bar.length * static_cast<double>(system.mesh().elements) * rounding * rounding;
+}
+
 }  // namespace
 
 std::optional<std::string> overflow(const Statistics& statistics) {
@@ -58,6 +66,7 @@ std::vector<Alarm> alarms(const Setup& setup, const BarSystem& system, const Sta
                                std::max({energy.final, std::abs(energy.dissipated), energy.largest}) - off});
     if (const auto& waves = statistics.representation)
       largest = std::max(largest, run.scene.bar.density * run.scene.bar.length * waves->velocity * waves->velocity);
+    largest = std::max(largest, energy_of_rounding(run.scene.bar, system));
     const double sound = promised_balance(run, system, largest, static_cast<double>(statistics.steps));
     if (!(off <= std::min(sound, balance_limit * largest)))
       all.push_back(
