@@ -35,7 +35,7 @@ double promised_balance(const Case& run, const BarSystem& system, double energy,
   return 200.0 * (run.tolerance.relative * energy + absolute.velocity * momentum + absolute.displacement * force);
 }
 
-// That of strains by a rounding of the displacements: a bar at rest has no other.
+// Strains by a rounding of the displacements have it: a bar at rest has no other.
 double energy_of_rounding(const Bar& bar, const BarSystem& system) {
   double far = 0.0;
   for (const double u : system.initial_state().u) far = std::max(far, std::abs(u));

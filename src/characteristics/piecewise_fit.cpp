@@ -16,8 +16,8 @@ constexpr std::size_t guards = 61, few_guards = 5;
 constexpr double brief = 1e-9;             // of a piece that is there for a break only
 constexpr std::size_t most_pieces = 4000;  // beyond that a looser tolerance is tried
 constexpr std::size_t most_of_all = 200'000;
-// Of the integral of |f|, that the brief pieces of halved ones may have: a jump has next to nothing there, |s|^(-1/2)
-// 3e-5, a pole a third.
+// The share of the integral of |f| that brief pieces of halved ones may have: a jump has next to nothing there,
+// |s|^(-1/2) 3e-5, a pole a third.
 constexpr double most_in_brief = 0.01;
 
 }  // namespace

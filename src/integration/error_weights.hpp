@@ -102,7 +102,7 @@ class ErrorWeights {
  private:
   double viscous_tolerance() const;  // of (eta/E) w
   double relative() const;           // tolerance of a step
-  double resolved_w() const;         // what w may be wrong by
+  double resolved_w() const;         // error that w may have
   struct OfDerivative {
     double relative_scale = 0.0, largest_u = 0.0, largest_w = 0.0;
     static void members(auto& of, auto&& each) { each(of.relative_scale, of.largest_u, of.largest_w); }

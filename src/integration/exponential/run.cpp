@@ -56,7 +56,7 @@ void Run::fail(Failure why, const std::exception& cause) {
       const double of_frame = frame_energy(penalised_, t_, u, w);
       statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
       statistics_.energy->work += of_frame;
-    } catch (const std::exception&) {  // what has stopped the run may stop this
+    } catch (const std::exception&) {  // its cause may stop this, too
     }
   }
   throw IntegrationError(why, fmt::format("exponential stopped at t = {}: {}", t_, cause.what()), reached());
