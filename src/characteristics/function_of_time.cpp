@@ -83,7 +83,14 @@ FunctionOfTime function_through(const TimeFunction& f, double end, double window
     const double begin = length * static_cast<double>(w);
     const auto at = [&](double s) { return begin + length * s; };
     const std::function<double(double)> of_s = [&](double s) { return sound(f(at(s)), at(s)); };
-    const Piecewise& found = fit.of(of_s, {.argument = static_cast<double>(w) + 1.0});
+    const Piecewise& found = [&]() -> const Piecewise& {
+      try {
+        return fit.of(of_s, {.argument = static_cast<double>(w) + 1.0, .what = "it"});
+      } catch (const StepFailure& failure) {
+        throw std::invalid_argument(
+            fmt::format("cannot be followed from t = {:.6g} to {:.6g}: {}", begin, begin + length, failure.what()));
+      }
+    }();
     for (std::size_t i = 0; i < found.size(); ++i)
       pieces.push_back(piece_of(at(found[i].begin), at(found[i].end), at(found[i].middle - found[i].half),
                                 at(found[i].middle + found[i].half), found.polynomial(i)));
