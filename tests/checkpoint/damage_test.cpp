@@ -145,6 +145,20 @@ TEST_F(Damage, OfAnyFileOfAStudyIsNoticed) {
 }
 
 // One digit in a result is another one: nothing goes on from it, whoever reads. Outside of the result it is the user's.
+TEST_F(Damage, OfPagesAndSummaryIsMendedByAResume) {
+  for (const char* name : {"report.html", "field.xdmf", "summary.json"}) {
+    fs::remove_all(scratch / "out");
+    ASSERT_EQ(run({"run", "scene.toml", "-q", "--checkpoint", "0.1", "--wall-time", "1e-9s", "-o", "out"}), 130)
+        << err();
+    std::string bytes = read_text(scratch / "out" / name);
+    bytes[bytes.size() / 2] ^= 1;
+    write(scratch / "out" / name, bytes);
+    EXPECT_EQ(run({"info", "--verify", "out"}), 1) << name;
+    EXPECT_EQ(run({"resume", "out", "-q"}), 0) << name << err();
+    EXPECT_EQ(run({"info", "--verify", "out"}), 0) << name;
+  }
+}
+
 TEST_F(Damage, OfAResultIsRefusedByEachCommandThatReadsIt) {
   const std::string measured =
       bouncing +
