@@ -126,8 +126,8 @@ class Run {
     return share;
   }
 
-  // Those of the load at t_{n+1}, u^{n+1} being known. What a step does and mostly has nothing to do is asked for in
-  // its loop: at few nodes calls cost as much as the arithmetic.
+  // Passes those of the load at t_{n+1}, u^{n+1} being known. Most steps have none. The loop asks for that itself: at
+  // few nodes a call costs as much as the arithmetic.
   [[gnu::always_inline]] void pass_breaks() {
     if (next_break_ < std::numeric_limits<double>::infinity() || !begun_.empty()) pass_breaks_before();
   }
