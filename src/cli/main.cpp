@@ -229,11 +229,11 @@ int run(int argc, char** argv) {
   std::_Exit(run_failed);
 }
 
-bool returns = false;
+bool main_returns = false;
 
 /// A library that ends the program itself, as HDF5 does where a table of its own cannot grow, does so without a word.
 void end_by_library() {
-  if (returns) return;
+  if (main_returns) return;
   constexpr std::string_view message = "viscobar: a library has ended the program: there may not be enough memory\n";
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, message.data(), message.size());
   std::_Exit(run_failed);
@@ -269,6 +269,6 @@ int main(int argc, char** argv) {
   }
   code = cli::end_messages(code);
   if (hdf5_failed()) std::fflush(nullptr), std::_Exit(code);
-  cli::returns = true;
+  cli::main_returns = true;
   return code;
 }
