@@ -78,7 +78,8 @@ class SeparableGain final : public LoadGain {
         },
         {.breaks = cuts_,
          .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage),
-         .argument = begin + 1.0 + std::abs(frame_.start) / frame_.passage});
+         .argument = begin + 1.0 + std::abs(frame_.start) / frame_.passage,
+         .what = "the history of the load"});
     errors.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
     times_.clear();
