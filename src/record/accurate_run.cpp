@@ -79,7 +79,10 @@ RunRecord record_with_estimate(const SceneFile& scene, const std::filesystem::pa
           scene.run, probe.take(*outcome.statistics), patience * outcome.statistics->integration_seconds, options.stop);
       outcome.error_estimate = found.estimate;
       outcome.no_estimate = found.why_not;
-      if (found.estimate) warn_of_doubt(outcome);
+      if (found.estimate && !found.estimate->doubt.empty()) {
+        warn_of_doubt(outcome);
+        if (options.warning) options.warning(outcome.warnings.back());
+      }
     } catch (const std::exception& error) {  // the run is whole without
       outcome.no_estimate = error.what();
     }
