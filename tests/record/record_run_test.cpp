@@ -32,6 +32,21 @@ TEST(RecordRun, WritesARowForEveryOutputTimeAndEveryContactChange) {
     EXPECT_GT(std::filesystem::file_size(scratch / "deep/out" / file), 1000u) << file;
 }
 
+TEST(RecordRun, ADoubtOfTheEstimateIsToldAsItIsKept) {
+  const Scratch scratch;
+  std::vector<std::string> told;
+  RecordOptions options;
+  options.warning = [&](const std::string& warning) { told.push_back(warning); };
+  const SceneFile scene = parse_scene(
+      "[bar]\nlength = 1\nviscosity = 0.0036\n[span]\ngap = 0.1\n[initial]\nvelocity = \"-1.2-0.36*x\"\n[time]\nend = "
+      "3\n[mesh]\nelements = 20\n[contact]\nrestitution = 0.16\n",
+      "");
+  record_with_estimate(scene, scratch / "out", options);
+  EXPECT_EQ(told, summary_in(scratch / "out")["warnings"].get<std::vector<std::string>>());
+  ASSERT_FALSE(told.empty());
+  EXPECT_NE(told.back().find("lose the rebound"), std::string::npos) << told.back();
+}
+
 TEST(RecordRun, AnInterruptedRunKeepsWhatItReached) {
   const Scratch scratch;
   RecordOptions options;
