@@ -19,7 +19,7 @@ class Notifier {
   /// Counts it, too.
   void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
-    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system.first_node();
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system.unknowns().first_node();
     Event event{t, contact.where, node, change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
     told(event);

@@ -30,8 +30,8 @@ inline void require_times(std::span<const double> times) {
 /// True if a node is at an obstacle that moves, or beyond.
 inline bool touches_moving(const BarSystem& system, double t, std::span<const double> u) {
   return std::ranges::any_of(system.contacts(), [&](const Contact& one) {
-    return system.moves(one) &&
-           one.sign * u[one.unknown] + system.gap(one, t) <=
+    return system.frame().moves(one) &&
+           one.sign * u[one.unknown] + system.frame().gap(one, t) <=
                32.0 * std::numeric_limits<double>::epsilon() * (one.gap + std::abs(u[one.unknown]));
   });
 }
@@ -62,7 +62,7 @@ Statistics run_in_parts(const BarSystem& system, StartingPoint start, std::span<
   std::optional<BarSystem> following;
   if (auto* state = std::get_if<State>(&start); state && touches_moving(system, times.front(), state->u)) {
     following.emplace(system.following());
-    system.change_frame(*following, times.front(), state->u, state->v);
+    system.frame().change(following->frame(), times.front(), state->u, state->v);
   }
   return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
     const auto* checkpoint = std::get_if<Checkpoint>(&from);
@@ -74,7 +74,7 @@ Statistics run_in_parts(const BarSystem& system, StartingPoint start, std::span<
 
 /// Frame of the checkpoints of a run in that system.
 inline Checkpoint::Frame frame_of(const BarSystem& system) {
-  return system.follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
+  return system.frame().follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
 }
 
 /// Why a method that integrates u' = v, v' = M^{-1} F does not take massless contact nodes without viscosity.

@@ -46,7 +46,7 @@ struct Snapshot {
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< the same at the right end
   double reaction_span = 0.0;   ///< of a span obstacle on all of its nodes
-  /// N of each of BarSystem::joints(), which pushes its sides apart; valid during the call.
+  /// N of each of Elements::joints(), which pushes its sides apart; valid during the call.
   std::span<const double> joint_forces{};
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};

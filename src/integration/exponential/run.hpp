@@ -85,7 +85,7 @@ class Run {
   void leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w);
   // The unknown whose displacement is the first of y.
   std::size_t first_displacement() const {
-    return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.massive_begin();
+    return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.inertia().massive_begin();
   }
   double& displacement_of(Index node) { return y_[node - static_cast<Index>(first_displacement())]; }
   std::vector<double> displacement();    // of all unknowns, not measured from obstacles
