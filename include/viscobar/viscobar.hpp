@@ -21,6 +21,7 @@
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 #include "viscobar/dynamics/side_rows.hpp"
+#include "viscobar/dynamics/state.hpp"
 #include "viscobar/dynamics/support.hpp"
 #include "viscobar/dynamics/unknowns.hpp"
 #include "viscobar/input/scene_file.hpp"

@@ -23,8 +23,8 @@
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"
 #include "run/contact_states.hpp"
+#include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
-#include "run/parts.hpp"
 #include "run/watchdog.hpp"
 #include "scene/times.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
@@ -589,12 +589,14 @@ class StepwisePart {
   void tell_closing(double t, std::size_t i, double velocity) {
     if (!goes_on(t, i)) return tell_event(t, i, Change::closing, velocity);
     const Withheld first = *std::exchange(withheld_, std::nullopt);
-    notifier_.event(first.time, system_.bar(), contacts_[i], Change::closing, first.velocity, first.sensitivities);
+    notifier_.event(first.time, system_.bar().unknowns(), contacts_[i], Change::closing, first.velocity,
+                    first.sensitivities);
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     withheld_.reset();  // events are told in their order
-    notifier_.event(t, system_.bar(), contacts_[i], change, velocity + frame_velocity(t, i), sensitivities_at(t, i));
+    notifier_.event(t, system_.bar().unknowns(), contacts_[i], change, velocity + frame_velocity(t, i),
+                    sensitivities_at(t, i));
   }
 
   std::vector<ChangeSensitivity> sensitivities_at(double t, std::size_t i) const {

@@ -11,7 +11,7 @@
 #include "integration/layout.hpp"
 #include "integration/sensitivities.hpp"
 #include "integration/stepwise_part.hpp"
-#include "run/parts.hpp"
+#include "run/framed_parts.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar {

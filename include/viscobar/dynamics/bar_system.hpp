@@ -15,6 +15,7 @@
 #include "viscobar/dynamics/inertia.hpp"
 #include "viscobar/dynamics/moving_frame.hpp"
 #include "viscobar/dynamics/side_rows.hpp"
+#include "viscobar/dynamics/state.hpp"
 #include "viscobar/dynamics/support.hpp"
 #include "viscobar/dynamics/unknowns.hpp"
 #include "viscobar/scene/scene.hpp"
@@ -23,12 +24,6 @@ namespace viscobar {
 
 class BarSystem;
 struct NodalLoad;
-
-/// Nodal displacement and velocity of the unknowns (n entries each; fixed nodes are not among them).
-struct State {
-  std::vector<double> u;  ///< displacement
-  std::vector<double> v;  ///< velocity
-};
 
 /// So many times the difference of the loads of two systems of the same nodes.
 struct LoadDifference {

@@ -14,8 +14,10 @@
 #include <variant>
 #include <vector>
 
-#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/contact.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
+#include "viscobar/dynamics/state.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 

@@ -16,8 +16,8 @@
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
+#include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
-#include "run/parts.hpp"
 #include "run/watchdog.hpp"
 
 namespace viscobar::exponential {
