@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "support/random_vector.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/dynamics/load_vector.hpp"
 namespace viscobar::testing_bar_system {
 namespace {
@@ -126,11 +127,11 @@ TEST(BarSystem, EffectiveMassOfAnEndIsHalfAnElementLumpedAndRootThreeSixthsOfOne
   const Mesh mesh{2.0, 40};
   const double h = mesh.spacing(), rho = 3.0;
   const Scene scene = scene_with(Obstacle{1.0}, Free{});
-  EXPECT_NEAR(BarSystem(scene, mesh, Mass::lumped).effective_masses().front(), rho * h / 2, 4 * eps);
+  EXPECT_NEAR(BarSystem(scene, mesh, Mass::lumped).inertia().effective_masses().front(), rho * h / 2, 4 * eps);
   // Pivots of (h/6) [2 1; 1 4 1; ...] converge to (h/6)(2 + sqrt 3), so the end's is (h/6)(2 - 1/(2 + sqrt 3)).
-  EXPECT_NEAR(BarSystem(scene, mesh, Mass::consistent).effective_masses().front(), rho * h / 6 * std::sqrt(3.0),
+  EXPECT_NEAR(BarSystem(scene, mesh, Mass::consistent).inertia().effective_masses().front(), rho * h / 6 * std::sqrt(3.0),
               10 * eps);
-  EXPECT_EQ(BarSystem(scene, mesh, Mass::redistributed).effective_masses().front(), 0.0);
+  EXPECT_EQ(BarSystem(scene, mesh, Mass::redistributed).inertia().effective_masses().front(), 0.0);
 }
 
 TEST(BarSystem, RefusesMeshesThatCannotCarryTheScene) {
