@@ -24,9 +24,10 @@ EndTraces empty_traces(const Case& run, std::size_t times) {
 void keep(const BarSystem& system, std::span<const double> u, EndTraces& traces) {
   traces.left.push_back(u.front());
   traces.right.push_back(u.back());
-  for (std::size_t k = 0; k < system.joints().size(); ++k)
-    for (const std::size_t side : {0, 1}) traces.between[2 * k + side].push_back(u[system.joints()[k].node - 1 + side]);
-  if (system.is_chain()) return;
+  for (std::size_t k = 0; k < system.elements().joints().size(); ++k)
+    for (const std::size_t side : {0, 1})
+      traces.between[2 * k + side].push_back(u[system.elements().joints()[k].node - 1 + side]);
+  if (system.elements().is_chain()) return;
   const Mesh& mesh = system.mesh();
   for (std::size_t i = 0, e = 0; i < traces.between.size(); ++i) {
     const double x = mesh.length * static_cast<double>(i + 1) / intervals;

@@ -146,7 +146,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
   std::vector<ContactRegime> regimes;
   if (!is_penalised(run.method)) return regimes;
   const double epsilon = setup.epsilon;
-  const std::vector<double> masses = system.effective_masses();
+  const std::vector<double> masses = system.inertia().effective_masses();
   const State start = system.initial_state();
   const Bar& bar = system.bar();
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
@@ -158,7 +158,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       falling = std::min(falling, v);
       continue;
     }
-    const double h = system.stretch_at(contact.unknown), m = masses[contact.unknown];
+    const double h = system.elements().stretch_beside(contact.unknown), m = masses[contact.unknown];
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;
@@ -304,11 +304,11 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   const Bar& bar = system.bar();
   double mass = 0.0;
   bool obstacle = false;
-  const std::vector<double> masses = system.effective_masses();
+  const std::vector<double> masses = system.inertia().effective_masses();
   for (const Contact& contact : system.contacts()) {
     if (system.stop(contact)) continue;
     obstacle = true;
-    mass = std::max(mass, contact.joint > 0 ? system.contact_mass(contact) : masses[contact.unknown]);
+    mass = std::max(mass, contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown]);
   }
   if (!obstacle) return std::nullopt;
   if (is_scheme(run.method) && mass > 0.0)
@@ -358,12 +358,13 @@ std::optional<std::string> jump_remark(const Setup& setup, const BarSystem& syst
   const State start = system.initial_state();
   std::vector<double> force(system.size()), rate(system.size()), masses(system.size());
   const std::vector<double> ones(system.size(), 1.0);
-  system.inertia().multiply(ones, masses);
+  system.inertia().matrix().multiply(ones, masses);
   const auto rings = [&](bool right) {
-    if (system.wall(right)) return false;
-    const std::size_t end = system.end(right), next = right ? end - 1 : end + 1;
-    const double impedance = std::sqrt(masses[next] * system.bar().modulus / system.stretch_at(end));
-    const double viscous = system.bar().viscosity / (system.rate_stretch(system.element_at(end)) * impedance);
+    if (system.unknowns().wall(right)) return false;
+    const std::size_t end = system.unknowns().end(right), next = right ? end - 1 : end + 1;
+    const double impedance = std::sqrt(masses[next] * system.bar().modulus / system.elements().stretch_beside(end));
+    const double viscous =
+        system.bar().viscosity / (system.elements().rate_stretch(system.elements().beside(end)) * impedance);
     const bool is_heavy = masses[end] > 2.0 * masses[next];  // its velocity has no jump
     if (is_heavy || 2.0 * viscous * viscous >= 1.0 || system.inputs()[right].dashpot >= 0.5 * impedance) return false;
     return std::abs(force[end] - masses[end] / masses[next] * force[next]) > noticed * scale * impedance;

@@ -85,7 +85,7 @@ std::string model_text(const Case& run, const BarSystem& system) {
   }
   return row("unknowns", "{} nodes of {}, displacement and velocity", system.size(), nodes) +
          row("inertia", "{} mass{}", viscobar::name(system.mass()),
-             system.has_massless() ? ", massless contact nodes" : "");
+             system.inertia().has_massless() ? ", massless contact nodes" : "");
 }
 
 std::string check_text(const SceneCheck& check) {
@@ -100,7 +100,7 @@ std::string check_text(const SceneCheck& check) {
               scene.chain.empty() ? fmt::format("E = {}, ", number(scene.bar.modulus, Dimension::stress, 10)) : "",
               element_size(mesh, number));
   if (scene.section) text += row("section", section_text(scene));
-  text += row("damping", !system.damped() ? "none"
+  text += row("damping", !system.bar().damped() ? "none"
                          : scene.chain.empty()
                              ? "eta = " + number(scene.bar.viscosity, unit_powers("stress x time").value(), 10)
                              : "of each bar its own");

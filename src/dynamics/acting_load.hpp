@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar {
 
@@ -79,8 +80,10 @@ class ActingLoad {
 
   /// t, on the side of a break that the leg is on.
   double inside(double t) const { return load_ ? load_->inside(t) : t; }
-  /// Displacement of the frame (see BarSystem::lift), there.
-  Lift lift(double t, int derivative) const { return bar_.moving() ? bar_.lift(inside(t), derivative) : Lift{}; }
+  /// Displacement of the frame (see MovingFrame::lift), there.
+  Lift lift(double t, int derivative) const {
+    return bar_.frame().moving() ? bar_.frame().lift(inside(t), derivative) : Lift{};
+  }
 
  private:
   double apart() const { return 1e-4 * bar_.mesh().spacing() * bar_.bar().slowness(); }

@@ -14,20 +14,20 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // How many of the two nodes of a joint are ends of bars.
 int bars_at(const BarSystem& bar, const Contact& contact) {
-  const std::size_t right = contact.unknown + bar.first_node();
-  return (bar.is_element_of_bar(right) ? 1 : 0) + (right > 1 && bar.is_element_of_bar(right - 2) ? 1 : 0);
+  const std::size_t right = contact.unknown + bar.unknowns().first_node();
+  return (bar.elements().is_of_bar(right) ? 1 : 0) + (right > 1 && bar.elements().is_of_bar(right - 2) ? 1 : 0);
 }
 
 ContactLaw law_of(const BarSystem& bar, const Contact& contact, const Penalty& penalty) {
   const bool rigid = penalty.epsilon == 0.0;
   if (const auto& stop = bar.stop(contact)) {
-    if (rigid || bar.massless(contact.unknown))
+    if (rigid || bar.inertia().massless(contact.unknown))
       throw std::invalid_argument("a stop with a law of its own wants a node with mass, and is not rigid");
     return {contact.sign, *stop};
   }
   if (rigid) return {contact.sign, PenaltyLaw{infinite, 0.0}};
   return {contact.sign,
-          penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0)};
+          penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.inertia().contact_mass(contact) : 0.0)};
 }
 
 }  // namespace
@@ -47,19 +47,19 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   const bool by_law = contact.joint == 0 ? met : !of_bar && (!rigid || (met && is_met_elsewhere(i, node - 1)));
   if (rigid && bar_.size() < 2)
     throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
-  const bool massless = bar_.massless(node);
+  const bool massless = bar_.inertia().massless(node);
   ContactNode one{contact, law_of(bar_, contact, penalty)};
   const PenaltyLaw& law = one.law.linear();
   const Bar& bar = bar_.bar();
   one.restitution = penalty.restitution;
-  one.relative_stiffness = law.stiffness * bar_.stretch_at(node) / bar.modulus;
+  one.relative_stiffness = law.stiffness * bar_.elements().stretch_beside(node) / bar.modulus;
   one.has_body = contact.joint > 0 && bars_at(bar_, contact) < 2;
-  one.moves = bar_.moves(contact);
+  one.moves = bar_.frame().moves(contact);
   one.rigid = rigid, one.massless = massless, one.of_bar = of_bar, one.met = met, one.by_law = by_law;
-  one.follows = massless && !bar_.damped(), one.changes_by_row = massless && bar_.damped();
+  one.follows = massless && !bar_.bar().damped(), one.changes_by_row = massless && bar_.bar().damped();
   one.collides = rigid && !massless;
   one.rate = massless || rigid ? 0.0 : rate_of(one);
-  const double viscous = bar.viscosity / (bar_.stretch_at(node) * bar.impedance());
+  const double viscous = bar.viscosity / (bar_.elements().stretch_beside(node) * bar.impedance());
   one.holds = rigid || (massless && one.relative_stiffness * std::numeric_limits<double>::epsilon() > 1.0 + viscous);
   collides_ |= one.collides;
   dashpots_ |= law.damping > 0.0;
@@ -69,7 +69,7 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
 }
 
 double Contacts::rate_of(const ContactNode& node) const {
-  const BandedMatrix& inertia = bar_.inertia();
+  const BandedMatrix& inertia = bar_.inertia().matrix();
   const double stiffness = node.law.linear().stiffness, mass = inertia.diagonal_entry(node.unknown);
   if (node.joint == 0) return std::sqrt(stiffness / mass);
   return std::sqrt(stiffness * (1.0 / mass + 1.0 / inertia.diagonal_entry(node.unknown - 1)));

@@ -12,6 +12,7 @@
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/indicator.hpp"
 #include "dynamics/natural_scales.hpp"
+#include "dynamics/nodal_moments.hpp"
 
 namespace viscobar {
 
@@ -30,7 +31,7 @@ BarSystem in_frame_of(const BarSystem& bar, BarSystem data, const std::optional<
                    std::make_shared<const BarSystem>(beside->before, beside->mesh_before, bar.mass()),
                    0.5 / beside->apart});
   if (bar.side()) data.take_side(bar);
-  return bar.follows() ? data.following() : data;
+  return bar.frame().follows() ? data.following() : data;
 }
 
 // The data of s: springs, dashpots and masses are those of the bar.
@@ -63,11 +64,12 @@ Moment MomentBuilder::operator()(double t, std::span<const double> u, std::span<
       stiffness_.multiply([&](std::size_t i) { return u[i]; }, strain_);
     else
       stiffness_.multiply([&](std::size_t i) { return u[i] + origin[i]; }, strain_);
-    stiffness_.add_walls(system_.bar().wall(false).value_or(0.0), system_.bar().wall(true).value_or(0.0), strain_);
+    stiffness_.add_walls(system_.bar().unknowns().wall(false).value_or(0.0),
+                         system_.bar().unknowns().wall(true).value_or(0.0), strain_);
   }
   if (!strain_rate_.empty()) stiffness_.multiply([&](std::size_t i) { return w[i]; }, strain_rate_);
   const bool inertial = asks_for_inertia_ && !a.empty();
-  if (inertial) system_.bar().inertia().multiply(a, inertia_);
+  if (inertial) system_.bar().inertia().matrix().multiply(a, inertia_);
   return {t, u, w, a, inertial ? inertia_ : std::span<const double>{}, strain_, strain_rate_};
 }
 
@@ -89,11 +91,11 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   relative_change_ = std::abs(direction.bar.density) / bar.density + std::abs(direction.bar.modulus) / bar.modulus +
                      std::abs(direction.bar.viscosity) / (bar.modulus * crossing) + std::abs(stretched) +
                      std::abs(direction.restitution);
-  if (system.bar().is_chain()) take_chain(direction);
+  if (system.bar().elements().is_chain()) take_chain(direction);
   if (direction.beside) take_difference(direction);
   if (direction.epsilon != 0.0) relative_change_ += std::abs(direction.epsilon / *penalty.epsilon);
   for (const Support& support : system.bar().supports()) {
-    const bool right = system.bar().is_right(support.unknown);
+    const bool right = system.bar().unknowns().is_right(support.unknown);
     const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
     const double mass = rates.mass - inertia_ * support.mass;
     if (rates.stiffness == 0.0 && rates.dashpot == 0.0 && mass == 0.0) continue;
@@ -125,22 +127,22 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       if (chain_ && law.damping > 0.0) rates.damping += 0.5 * law.damping * mass_growth(contact);
       for (const Support& support : supports_)
         if (support.unknown == contact.unknown && law.damping > 0.0 && !chain_)
-          rates.damping += 0.5 * law.damping * support.mass / system.bar().contact_mass(contact);
-      if (direction.restitution != 0.0 && !system.bar().massless(contact.unknown))
+          rates.damping += 0.5 * law.damping * support.mass / system.bar().inertia().contact_mass(contact);
+      if (direction.restitution != 0.0 && !system.bar().inertia().massless(contact.unknown))
         rates.damping += 2.0 * damping_ratio_rate(penalty.restitution) * direction.restitution *
-                         std::sqrt(law.stiffness * system.bar().contact_mass(contact));
+                         std::sqrt(law.stiffness * system.bar().inertia().contact_mass(contact));
     }
     laws_.push_back(rates);
   }
-  if (system.bar().moving() && (chain_ || inertia_ != 0.0)) {
+  if (system.bar().frame().moving() && (chain_ || inertia_ != 0.0)) {
     const BarSystem& of = system.bar();
     std::vector<double> share(of.mesh().nodes()), product(of.mesh().nodes());
     for (const bool right : {false, true}) {
       for (std::size_t j = 0; j < share.size(); ++j)
-        share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.node_share(j));
-      (chain_ ? chain_->whole : of.whole_inertia()).multiply(share, product);
+        share[j] = Lift{right ? 0.0 : 1.0, right ? 1.0 : 0.0}.at(of.elements().share(j));
+      (chain_ ? chain_->whole : of.inertia().whole()).multiply(share, product);
       for (double& one : product) one *= chain_ ? 1.0 : inertia_;
-      const auto of_unknowns = std::span(product).subspan(of.first_node(), of.size());
+      const auto of_unknowns = std::span(product).subspan(of.unknowns().first_node(), of.size());
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
@@ -156,8 +158,9 @@ void Derivative::take_side(const Direction& direction, double stretched) {
   const Mesh& mesh = system_.bar().mesh();
   const Bar& bar = system_.bar().bar();
   const SideResistance given = direction.data.side.value_or(SideResistance{});
-  std::vector<double> stiffness = system_.bar().side_values(given.stiffness, given.stiffness_places);
-  std::vector<double> drag = system_.bar().side_values(given.drag, given.drag_places);
+  std::vector<double> stiffness =
+      side_values(system_.bar().elements(), system_.bar().mass(), given.stiffness, given.stiffness_places);
+  std::vector<double> drag = side_values(system_.bar().elements(), system_.bar().mass(), given.drag, given.drag_places);
   stiffness.resize(mesh.nodes()), drag.resize(mesh.nodes());
   double change = 0.0;
   for (std::size_t j = 0; j < mesh.nodes(); ++j) {
@@ -187,7 +190,7 @@ double Derivative::stretch(std::size_t end, std::span<const double> x, std::span
   const auto at = [&](std::size_t i) { return x[i] + (origin.empty() ? 0.0 : origin[i]); };
   if (end == 0 && x.size() > 1) return at(0) - at(1);
   if (end > 0) return at(end) - at(end - 1);
-  return at(0) - *walls.wall(!walls.left_fixed());
+  return at(0) - *walls.unknowns().wall(!walls.unknowns().left_fixed());
 }
 
 double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
@@ -196,38 +199,39 @@ double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
 }
 
 double Derivative::displacement(std::size_t end, std::span<const double> u) const {
-  return u[end] + contacts_.origin().at(end) + lift_[0].of(system_.bar().is_right(end));
+  return u[end] + contacts_.origin().at(end) + lift_[0].of(system_.bar().unknowns().is_right(end));
 }
 
 // The stretch of the lift, as stretch() is of u.
 double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
   const BarSystem& bar = system_.bar();
-  const std::size_t element = bar.element_at(end);
-  const double stretched = lift.at(bar.node_share(element + 1)) - lift.at(bar.node_share(element));
-  return bar.is_right(end) ? stretched : -stretched;
+  const std::size_t element = bar.elements().beside(end);
+  const double stretched = lift.at(bar.elements().share(element + 1)) - lift.at(bar.elements().share(element));
+  return bar.unknowns().is_right(end) ? stretched : -stretched;
 }
 
 // Stress of the lift by the derivatives of the coefficients.
 double Derivative::lift_stress(const Lift& lift, const Lift& rate) const {
-  return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) / system_.bar().whole_stretch();
+  return (modulus_ * (lift.right - lift.left) + viscosity_ * (rate.right - rate.left)) /
+         system_.bar().elements().whole_stretch();
 }
 
 auto Derivative::placed(std::span<const double> u) const {
-  return [this, of = system_.bar().displacement_at_nodes(u)](std::size_t j) {
+  return [this, of = system_.bar().unknowns().displacement_at_nodes(u)](std::size_t j) {
     const BarSystem& bar = system_.bar();
-    const std::size_t i = j - bar.first_node();
-    return of(j) + (i < bar.size() ? contacts_.origin().at(i) : 0.0) + lift_[0].at(bar.node_share(j));
+    const std::size_t i = j - bar.unknowns().first_node();
+    return of(j) + (i < bar.size() ? contacts_.origin().at(i) : 0.0) + lift_[0].at(bar.elements().share(j));
   };
 }
 
 auto Derivative::moving(std::span<const double> w) const {
-  return [this, of = system_.bar().at_nodes(w)](std::size_t j) {
-    return of(j) + lift_[1].at(system_.bar().node_share(j));
+  return [this, of = system_.bar().unknowns().at_nodes(w)](std::size_t j) {
+    return of(j) + lift_[1].at(system_.bar().elements().share(j));
   };
 }
 
 void Derivative::drive(const Moment& at) {
-  if (system_.bar().moving())
+  if (system_.bar().frame().moving())
     for (int order = 0; order < 3; ++order) lift_[static_cast<std::size_t>(order)] = system_.load().lift(at.t, order);
   for (std::size_t i = 0; contacts_.bend() && i < contacts_.size(); ++i)
     if (contacts_[i].law.bent())
@@ -257,28 +261,28 @@ void Derivative::drive(const Moment& at) {
       subtract();
     }
     const Lift &placed_by = lift_[0], &moved_by = lift_[1];
-    const auto share = [&](std::size_t i) { return bar.moving() ? bar.share(i) : 0.0; };
+    const auto share = [&](std::size_t i) { return bar.frame().moving() ? bar.frame().share(i) : 0.0; };
     chain_->stiffness.multiply(
         [&](std::size_t i) { return at.u[i] + contacts_.origin().at(i) + placed_by.at(share(i)); }, product_);
-    chain_->stiffness.add_walls(bar.wall(false).value_or(0.0) + placed_by.left,
-                                bar.wall(true).value_or(0.0) + placed_by.right, product_);
+    chain_->stiffness.add_walls(bar.unknowns().wall(false).value_or(0.0) + placed_by.left,
+                                bar.unknowns().wall(true).value_or(0.0) + placed_by.right, product_);
     subtract();
     chain_->viscosity.multiply([&](std::size_t i) { return at.w[i] + moved_by.at(share(i)); }, product_);
     chain_->viscosity.add_walls(moved_by.left, moved_by.right, product_);
     subtract();
   }
   std::array<double, 2> rates{};
-  if (n > 1 && bar.has_massless() && !bar.damped())
-    rates = {modulus_ * (at.w[1] - at.w[0]) / bar.stretch_at(0),
-             modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.stretch_at(n - 1)};
-  if (bar.moving()) {
+  if (n > 1 && bar.inertia().has_massless() && !bar.bar().damped())
+    rates = {modulus_ * (at.w[1] - at.w[0]) / bar.elements().stretch_beside(0),
+             modulus_ * (at.w[n - 2] - at.w[n - 1]) / bar.elements().stretch_beside(n - 1)};
+  if (bar.frame().moving()) {
     add_frame();
-    const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.whole_stretch();
+    const double strain_rate = modulus_ * (lift_[1].right - lift_[1].left) / bar.elements().whole_stretch();
     rates[0] += strain_rate, rates[1] -= strain_rate;
   }
-  if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.first_node(), n, added_);
+  if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.unknowns().first_node(), n, added_);
   for (const auto& [node, stiffness, dashpot, mass] : supports_) {
-    const bool right = bar.is_right(node);
+    const bool right = bar.unknowns().is_right(node);
     added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(right)) +
                     mass * ((at.a.empty() ? 0.0 : at.a[node]) + lift_[2].of(right));
   }
@@ -302,28 +306,28 @@ void Derivative::add_frame() {
   const std::size_t n = added_.size();
   const BarSystem& bar = system_.bar();
   const double stress = lift_stress(lift_[0], lift_[1]);
-  if (!bar.left_fixed()) added_[0] += stress;
-  if (!bar.right_fixed()) added_[n - 1] -= stress;
+  if (!bar.unknowns().left_fixed()) added_[0] += stress;
+  if (!bar.unknowns().right_fixed()) added_[n - 1] -= stress;
   if (!lift_inertia_[0].empty())
     for (std::size_t i = 0; i < n; ++i) added_[i] -= lift_inertia(i, lift_[2]);
 }
 
 void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const BarSystem& bar = system_.bar();
-  if (!bar.moving()) return;
+  if (!bar.frame().moving()) return;
   const Lift velocity = system_.load().lift(t, 1), acceleration = system_.load().lift(t, 2);
   const double stress = lift_stress(velocity, acceleration);
-  if (!bar.left_fixed()) rate.front() += stress;
-  if (!bar.right_fixed()) rate.back() -= stress;
+  if (!bar.unknowns().left_fixed()) rate.front() += stress;
+  if (!bar.unknowns().right_fixed()) rate.back() -= stress;
   if (side_) {
     const auto at = [&bar](const Lift& lift) {
-      return [&bar, lift](std::size_t j) { return lift.at(bar.node_share(j)); };
+      return [&bar, lift](std::size_t j) { return lift.at(bar.elements().share(j)); };
     };
-    side_->subtract(side_->resistance(at(velocity), at(acceleration)), bar.first_node(), rate.size(), rate);
+    side_->subtract(side_->resistance(at(velocity), at(acceleration)), bar.unknowns().first_node(), rate.size(), rate);
   }
   bool massive = inertia_ != 0.0;
   for (const auto& [node, stiffness, dashpot, mass] : supports_) {
-    const bool right = bar.is_right(node);
+    const bool right = bar.unknowns().is_right(node);
     rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right);
     massive |= mass != 0.0;
   }
@@ -333,13 +337,14 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
   const Lift jerk{(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] -= lift_inertia(i, jerk);
   for (const Support& support : supports_)
-    rate[support.unknown] -= support.mass * jerk.of(bar.is_right(support.unknown));
+    rate[support.unknown] -= support.mass * jerk.of(bar.unknowns().is_right(support.unknown));
 }
 
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
   const double apart = contacts_.origin().at(end == 0 ? 1 : end - 1) - contacts_.origin().at(end);
-  double sum = (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().stretch_at(end);
-  if (system_.bar().moving()) {
+  double sum =
+      (modulus_ * (u_next - u + apart) + viscosity_ * (w_next - w)) / system_.bar().elements().stretch_beside(end);
+  if (system_.bar().frame().moving()) {
     const double stress = lift_stress(system_.load().lift(t, 0), system_.load().lift(t, 1));
     sum += end == 0 ? stress : -stress;
   }
@@ -384,7 +389,7 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
   const std::size_t element = right ? system_.bar().mesh().elements - 1 : 0;
   const auto stretch = [&](std::span<const double> x) { return x[element + 1] - x[element]; };
   const double pull = elastic_of(element) * stretch(bar.u) + viscous_of(element) * stretch(bar.v);
-  double inertia = inertia_ * system_.bar().held_inertia(right, bar.a);
+  double inertia = inertia_ * system_.bar().inertia().held(right, bar.a);
   for (std::size_t k = 0; chain_ && k < std::min<std::size_t>(3, bar.a.size()); ++k)
     inertia += chain_->held[right][k] * bar.a[right ? bar.a.size() - 1 - k : k];
   const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
@@ -405,31 +410,35 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     return sum;
   };
   const BarSystem& bar = system_.bar();
-  double sum = row(bar.inertia(), rate) +
-               (chain_            ? row(chain_->inertia, at.w)
-                : inertia_ == 0.0 ? 0.0
-                                  : inertia_ * row(bar.inertia(), at.w)) +
-               bar.bar().viscosity / bar.rate_stretch(bar.element_at(end)) * stretch(end, s, {}, data_) +
-               viscous_of(bar.element_at(end)) * stretch(end, at.u, contacts_.origin().values(), bar);
-  if (bar.moving()) sum += lift_inertia(end, lift_[1]) + viscous_of(bar.element_at(end)) * lift_stretch(end, lift_[0]);
+  double sum =
+      row(bar.inertia().matrix(), rate) +
+      (chain_            ? row(chain_->inertia, at.w)
+       : inertia_ == 0.0 ? 0.0
+                         : inertia_ * row(bar.inertia().matrix(), at.w)) +
+      bar.bar().viscosity / bar.elements().rate_stretch(bar.elements().beside(end)) * stretch(end, s, {}, data_) +
+      viscous_of(bar.elements().beside(end)) * stretch(end, at.u, contacts_.origin().values(), bar);
+  if (bar.frame().moving())
+    sum += lift_inertia(end, lift_[1]) + viscous_of(bar.elements().beside(end)) * lift_stretch(end, lift_[0]);
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.dashpot * s[end];
   if (const SideRows* own = bar.side()) {
-    const auto of_s = data_.displacement_at_nodes(s);
-    sum += own->at_end(bar.is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
+    const auto of_s = data_.unknowns().displacement_at_nodes(s);
+    sum += own->at_end(bar.unknowns().is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
   }
   if (side_)
-    sum += side_->at_end(bar.is_right(end), [&, u = placed(at.u)](std::size_t j) { return side_->drag(j) * u(j); });
+    sum += side_->at_end(bar.unknowns().is_right(end),
+                         [&, u = placed(at.u)](std::size_t j) { return side_->drag(j) * u(j); });
   for (const Support& support : supports_)
     if (support.unknown == end)
-      sum += support.dashpot * displacement(end, at.u) + support.mass * (at.w[end] + lift_[1].of(bar.is_right(end)));
+      sum += support.dashpot * displacement(end, at.u) +
+             support.mass * (at.w[end] + lift_[1].of(bar.unknowns().is_right(end)));
   return sum;
 }
 
 double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
   const BarSystem& bar = system_.bar();
-  const std::size_t element = bar.element_at(end);
-  double sum = bar.bar().modulus / bar.stretch(element) * s_stretch + elastic_of(element) * u_stretch;
+  const std::size_t element = bar.elements().beside(end);
+  double sum = bar.bar().modulus / bar.elements().stretch(element) * s_stretch + elastic_of(element) * u_stretch;
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.stiffness * s;
   for (const Support& support : supports_)
@@ -441,8 +450,8 @@ double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<co
   const BarSystem& bar = system_.bar();
   const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, contacts_.origin().values(), bar),
                                  s[end], stretch(end, s, {}, data_));
-  return sum + side_row(end, placed(at.u), data_.displacement_at_nodes(s)) +
-         (bar.moving() ? elastic_of(bar.element_at(end)) * lift_stretch(end, lift_[0]) : 0.0) -
+  return sum + side_row(end, placed(at.u), data_.unknowns().displacement_at_nodes(s)) +
+         (bar.frame().moving() ? elastic_of(bar.elements().beside(end)) * lift_stretch(end, lift_[0]) : 0.0) -
          (motion_.load().at(end, at.t) - added_[end]);
 }
 
@@ -451,16 +460,16 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   const Mesh& mesh = bar.mesh();
   // Fields of the bar itself, over all nodes.
   std::vector<double> u(mesh.nodes()), w(u), of_u(u), of_w(u);
-  bar.expand_displacement(at.u, u);
+  bar.unknowns().expand_displacement(at.u, u);
   const std::span<const double> origin = contacts_.origin().values();
-  for (std::size_t i = 0; i < origin.size(); ++i) u[i + bar.first_node()] += origin[i];
-  bar.expand_velocity(at.w, w);
-  bar.add_lift(lift_[0], u);
-  bar.add_lift(lift_[1], w);
+  for (std::size_t i = 0; i < origin.size(); ++i) u[i + bar.unknowns().first_node()] += origin[i];
+  bar.unknowns().expand_velocity(at.w, w);
+  bar.frame().add_lift(lift_[0], u);
+  bar.frame().add_lift(lift_[1], w);
   expand(at.t, s, rate, of_u, of_w);
-  const bool whole = bar.moving();
-  const BandedMatrix& inertia = whole ? bar.whole_inertia() : bar.inertia();
-  const std::size_t first = whole ? 0 : bar.first_node(), n = inertia.size();
+  const bool whole = bar.frame().moving();
+  const BandedMatrix& inertia = whole ? bar.inertia().whole() : bar.inertia().matrix();
+  const std::size_t first = whole ? 0 : bar.unknowns().first_node(), n = inertia.size();
   const double *v = w.data() + first, *of_v = of_w.data() + first;
   double sum = 0.5 * (chain_ ? (whole ? chain_->whole : chain_->inertia).quadratic_form({v, n})
                              : inertia_ * inertia.quadratic_form({v, n}));
@@ -469,12 +478,12 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
     sum += inertia.off_diagonal[i] * (v[i] * of_v[i + 1] + v[i + 1] * of_v[i]);
   for (std::size_t j = 0; j < mesh.elements; ++j) {
     const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
-    sum += bar.bar().modulus / bar.stretch(j) * strain * of_strain + 0.5 * elastic_of(j) * strain * strain;
+    sum += bar.bar().modulus / bar.elements().stretch(j) * strain * of_strain + 0.5 * elastic_of(j) * strain * strain;
   }
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));
   if (side_) sum += side_->energy(nodal(u));
-  const auto end = [&](const Support& support) { return support.unknown + bar.first_node(); };
+  const auto end = [&](const Support& support) { return support.unknown + bar.unknowns().first_node(); };
   for (const Support& support : bar.supports()) sum += support.stiffness * u[end(support)] * of_u[end(support)];
   for (const Support& support : supports_)
     sum += 0.5 * support.stiffness * u[end(support)] * u[end(support)] +
@@ -496,11 +505,11 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
 
 void Derivative::expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
                         std::span<double> v) const {
-  data_.expand_displacement(s, u);
-  data_.expand_velocity(rate, v);
-  if (!data_.moving()) return;
-  data_.add_lift(motion_.load().lift(t, 0), u);
-  data_.add_lift(motion_.load().lift(t, 1), v);
+  data_.unknowns().expand_displacement(s, u);
+  data_.unknowns().expand_velocity(rate, v);
+  if (!data_.frame().moving()) return;
+  data_.frame().add_lift(motion_.load().lift(t, 0), u);
+  data_.frame().add_lift(motion_.load().lift(t, 1), v);
 }
 
 }  // namespace viscobar

@@ -99,7 +99,7 @@ class Derivative {
   /// out = (rho M)' x of a chain, springs and masses of its ends included. O(n)
   void multiply_chain_inertia(std::span<const double> x, std::span<double> out) const;
   /// True if s has a load, or the frame an added force, that depends on time.
-  bool load_varies() const { return motion_.load().varies() || (driven_ && system_.bar().moving()); }
+  bool load_varies() const { return motion_.load().varies() || (driven_ && system_.bar().frame().moving()); }
   /// Sets the added force for the state of the bar. O(n)
   void drive(const Moment& at);
 
@@ -135,7 +135,7 @@ class Derivative {
   double side_row(std::size_t end, auto&& u, auto&& s) const {
     const SideRows* own = system_.bar().side();
     if (!own) return 0.0;
-    const bool right = system_.bar().is_right(end);
+    const bool right = system_.bar().unknowns().is_right(end);
     const double sum = own->at_end(right, [&](std::size_t j) { return own->stiffness(j) * s(j); });
     return side_ ? sum + side_->at_end(right, [&](std::size_t j) { return side_->stiffness(j) * u(j); }) : sum;
   }
@@ -155,10 +155,10 @@ class Derivative {
   void find_start(const Direction& direction, std::span<const Piece> pieces);
   double mass_growth(const Contact& contact) const;
   double elastic_of(std::size_t element) const {
-    return chain_ ? chain_->elastic[element] : modulus_ / system_.bar().stretch(element);
+    return chain_ ? chain_->elastic[element] : modulus_ / system_.bar().elements().stretch(element);
   }
   double viscous_of(std::size_t element) const {
-    return chain_ ? chain_->viscous[element] : viscosity_ / system_.bar().stretch(element);
+    return chain_ ? chain_->viscous[element] : viscosity_ / system_.bar().elements().stretch(element);
   }
   // dR/dp at the same motion.
   double law_rate(std::size_t i, double clearance, double w) const;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dynamics/derivative.hpp"
+#include "dynamics/nodal_load.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {
@@ -44,13 +45,13 @@ void Derivative::take_chain(const Direction& direction) {
   const std::array held = {inertia.end_row(false), inertia.end_row(true)};
   const UnitStiffness stiffness(bar, [&](std::size_t e) { return elastic[e]; });
   const UnitStiffness viscosity(bar, [&](std::size_t e) { return viscous[e]; });
-  chain_ = ChainRates{restrict_to(inertia, bar.first_node(), bar.size()),
+  chain_ = ChainRates{restrict_to(inertia, bar.unknowns().first_node(), bar.size()),
                       held,
                       std::move(elastic),
                       std::move(viscous),
                       stiffness,
                       viscosity,
-                      bar.moving() ? inertia : BandedMatrix{}};
+                      bar.frame().moving() ? inertia : BandedMatrix{}};
   product_.resize(bar.size());
   find_start(direction, pieces);
 }
@@ -79,24 +80,26 @@ void add_difference(const BandedMatrix& a, const BandedMatrix& b, double times, 
 void Derivative::take_difference(const Direction& direction) {
   const BarSystem& bar = system_.bar();
   const Direction::Beside& beside = *direction.beside;
-  const auto& difference = *data_.added_load();
+  const LoadDifference& difference = *data_.load()->difference;
   const double times = difference.times;
   const auto& after = difference.after;
   const auto& before = difference.before;
-  const std::array massless = {bar.massive_begin() == 1, bar.massive_end() < bar.size()};
+  const std::array massless = {bar.inertia().massive_begin() == 1, bar.inertia().massive_end() < bar.size()};
   const auto whole = [&](const Scene& scene, const Mesh& mesh) {
     return inertia_of(pieces_of(scene, mesh), bar.mass(), massless);
   };
   const BandedMatrix late = whole(beside.after, beside.mesh_after), early = whole(beside.before, beside.mesh_before);
-  const auto unknowns = [&](const BandedMatrix& all) { return restrict_to(all, bar.first_node(), bar.size()); };
+  const auto unknowns = [&](const BandedMatrix& all) {
+    return restrict_to(all, bar.unknowns().first_node(), bar.size());
+  };
   if (!chain_) {  // of one bar, whose own numbers are told by the first three
     BandedMatrix own = whole(direction.data, bar.mesh());
     own *= inertia_;
     chain_ = ChainRates{
         unknowns(own), {own.end_row(false), own.end_row(true)}, {}, {}, UnitStiffness(bar), UnitStiffness(bar), own};
     for (std::size_t e = 0; e < bar.mesh().elements; ++e) {
-      chain_->elastic.push_back(modulus_ / bar.stretch(e));
-      chain_->viscous.push_back(viscosity_ / bar.stretch(e));
+      chain_->elastic.push_back(modulus_ / bar.elements().stretch(e));
+      chain_->viscous.push_back(viscosity_ / bar.elements().stretch(e));
     }
     inertia_ = modulus_ = viscosity_ = 0.0;
   }
@@ -109,9 +112,10 @@ void Derivative::take_difference(const Direction& direction) {
     const auto add = [&](double Bar::*number, double stretch_after, double stretch_before, double& rate) {
       rate += times * (after->bar().*number / stretch_after - before->bar().*number / stretch_before);
     };
-    add(&Bar::modulus, after->stretch(e), before->stretch(e), chain_->elastic[e]);
-    add(&Bar::viscosity, after->rate_stretch(e), before->rate_stretch(e), chain_->viscous[e]);
-    relative_change_ = std::max(relative_change_, std::abs(after->stretch(e) / before->stretch(e) - 1.0) * times);
+    add(&Bar::modulus, after->elements().stretch(e), before->elements().stretch(e), chain_->elastic[e]);
+    add(&Bar::viscosity, after->elements().rate_stretch(e), before->elements().rate_stretch(e), chain_->viscous[e]);
+    relative_change_ = std::max(relative_change_,
+                                std::abs(after->elements().stretch(e) / before->elements().stretch(e) - 1.0) * times);
   }
   chain_->stiffness = UnitStiffness(bar, [&](std::size_t e) { return chain_->elastic[e]; });
   chain_->viscosity = UnitStiffness(bar, [&](std::size_t e) { return chain_->viscous[e]; });
@@ -127,7 +131,7 @@ void Derivative::find_start(const Direction& direction, std::span<const Piece> p
   const State& initial = bar.initial_state();
   Scene start = direction.data;
   start.left_input = start.right_input = {};
-  const Lift frame = bar.moving() ? bar.lift(0.0, 1) : Lift{};
+  const Lift frame = bar.frame().moving() ? bar.frame().lift(0.0, 1) : Lift{};
   bool changes = false, by_moments = false;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Piece& piece = pieces[p];
@@ -141,14 +145,14 @@ void Derivative::find_start(const Direction& direction, std::span<const Piece> p
     changes |= growth != 0.0;
     for (std::size_t j = p > 0 && pieces[p - 1].last() == piece.first ? 1 : 0; j < piece.mesh.nodes() && rates.velocity;
          ++j)
-      if (const std::size_t i = piece.first + j - bar.first_node(); i < initial.v.size())
-        by_moments |=
-            initial.v[i] != rates.velocity(piece.mesh.node(j)) - (bar.moving() ? frame.at(bar.share(i)) : 0.0);
+      if (const std::size_t i = piece.first + j - bar.unknowns().first_node(); i < initial.v.size())
+        by_moments |= initial.v[i] != rates.velocity(piece.mesh.node(j)) -
+                                          (bar.frame().moving() ? frame.at(bar.frame().share(i)) : 0.0);
   }
   if (!changes || !by_moments) return;
   const BarSystem without_masses(start, bar.mesh(), bar.mass());
   chain_->inertia.multiply(initial.v, product_);
-  without_masses.accelerate(product_);
+  without_masses.inertia().accelerate(product_);
   start_ = without_masses.initial_state().v;
   for (std::size_t i = 0; i < product_.size(); ++i) start_[i] -= product_[i];
 }
@@ -164,14 +168,14 @@ void Derivative::multiply_chain_inertia(std::span<const double> x, std::span<dou
   for (const Support& support : supports_) out[support.unknown] += support.mass * x[support.unknown];
 }
 
-// m'/m of BarSystem::contact_mass, 1/m = d.(rho M)^{-1} d: m d.(rho M)^{-1} (rho M)' (rho M)^{-1} d.
+// m'/m of Inertia::contact_mass, 1/m = d.(rho M)^{-1} d: m d.(rho M)^{-1} (rho M)' (rho M)^{-1} d.
 double Derivative::mass_growth(const Contact& contact) const {
   std::vector<double> gained(added_.size()), lost(added_.size());
   gained[contact.unknown] = 1.0;
   if (contact.joint > 0) gained[contact.unknown - 1] = -1.0;
-  system_.bar().accelerate(gained);
+  system_.bar().inertia().accelerate(gained);
   multiply_chain_inertia(gained, lost);
-  system_.bar().accelerate(lost);
+  system_.bar().inertia().accelerate(lost);
   return contact.of(lost) / contact.of(gained);
 }
 
@@ -179,14 +183,14 @@ std::vector<double> Derivative::joint_forces(const Moment& at, std::span<const d
                                              std::span<const double> rate) {
   std::vector<double> forces;
   const BarSystem& bar = system_.bar();
-  for (const JointNodes& joint : bar.joints()) {
+  for (const JointNodes& joint : bar.elements().joints()) {
     const std::size_t element = joint.node - 1;
     const auto apart = [&](auto&& of) { return of(joint.node) - of(element); };
     if (!joint.contact) {
-      forces.push_back(-joint.stiffness * apart(data_.displacement_at_nodes(s)) -
-                       joint.damping * apart(data_.at_nodes(rate)) -
-                       elastic_of(element) * apart(bar.displacement_at_nodes(at.u)) -
-                       viscous_of(element) * apart(bar.at_nodes(at.w)));
+      forces.push_back(-joint.stiffness * apart(data_.unknowns().displacement_at_nodes(s)) -
+                       joint.damping * apart(data_.unknowns().at_nodes(rate)) -
+                       elastic_of(element) * apart(bar.unknowns().displacement_at_nodes(at.u)) -
+                       viscous_of(element) * apart(bar.unknowns().at_nodes(at.w)));
       continue;
     }
     for (std::size_t i = 0; i < contacts_.size(); ++i)

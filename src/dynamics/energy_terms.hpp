@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "dynamics/frame_energy.hpp"
 #include "dynamics/penalised_system.hpp"
 
 namespace viscobar {
@@ -13,12 +14,12 @@ double energy(const Contacts& contacts, std::span<const double> u, std::span<con
 /// Contribution of a frame that moves, 0 otherwise. The work of what moves it is the increase of that, the power of the
 /// load, and frame_loss(): the balance of energy is then the frame's.
 double frame_energy(const PenalisedSystem& system, double t, std::span<const double> u, std::span<const double> w);
-/// Makes the state that of another frame, by BarSystem::change_frame(); returns the increase of frame_energy().
+/// Makes the state that of another frame, by MovingFrame::change(); returns the increase of frame_energy().
 double change_frame(const PenalisedSystem& system, const BarSystem& to, double t, std::span<double> u,
                     std::span<double> w);
 
 /// True if viscosity or a contact's dashpot takes energy.
-inline bool dissipates(const Contacts& contacts) { return contacts.bar().damped() || contacts.has_dashpots(); }
+inline bool dissipates(const Contacts& contacts) { return contacts.bar().bar().damped() || contacts.has_dashpots(); }
 /// True if those do, a stop's, a support's dashpot, drag along the bar, or impacts.
 bool takes_energy(const Contacts& contacts);
 
@@ -42,7 +43,7 @@ Values dissipated_power(const Contacts& contacts, auto&& w, const Values& square
   }
   if (const SideRows* side = bar.side(); side && side->has_drag()) {
     const Values still = power - power;
-    power += side->drag_power([&, first = bar.first_node()](std::size_t j) -> Values {
+    power += side->drag_power([&, first = bar.unknowns().first_node()](std::size_t j) -> Values {
       return j < first || j - first >= bar.size() ? still : w(j - first);
     });
   }
@@ -52,7 +53,7 @@ Values dissipated_power(const Contacts& contacts, auto&& w, const Values& square
 inline double dissipated_power(const Contacts& contacts, std::span<const double> w) {
   const BarSystem& bar = contacts.bar();
   return dissipated_power(
-      contacts, [w](std::size_t i) { return w[i]; }, bar.damped() ? bar.squared_strain_rate(w) : 0.0);
+      contacts, [w](std::size_t i) { return w[i]; }, bar.bar().damped() ? bar.elements().squared_strain_rate(w) : 0.0);
 }
 /// The same of closed stops that are not linear.
 inline double stop_loss(const Contacts& contacts, std::span<const double> u, std::span<const double> w) {
@@ -61,14 +62,14 @@ inline double stop_loss(const Contacts& contacts, std::span<const double> u, std
     if (contacts.closed(i)) power += contacts[i].law.loss(contacts.clearance(i, u), contacts[i].of(w));
   return power;
 }
-/// Contribution of a frame that moves (see BarSystem::lift_loss).
+/// Contribution of a frame that moves (see lift_loss).
 inline double frame_loss(const BarSystem& bar, double t, std::span<const double> w) {
-  if (!bar.moving()) return 0.0;
-  const Lift rate = bar.lift(t, 1);
-  const double sum = bar.lift_loss(rate, bar.at_nodes(w));
-  return bar.side() ? sum + bar.side_lift_loss(rate, bar.at_nodes(w)) : sum;
+  if (!bar.frame().moving()) return 0.0;
+  const Lift rate = bar.frame().lift(t, 1);
+  const double sum = lift_loss(bar, rate, bar.unknowns().at_nodes(w));
+  return bar.side() ? sum + side_lift_loss(bar, rate, bar.unknowns().at_nodes(w)) : sum;
 }
-/// Power of the end rows of the mass (see BarSystem::end_power) at the acceleration a, of which it has row_values(),
+/// Power of the end rows of the mass (see Inertia::end_power) at the acceleration a, of which it has row_values(),
 /// with that of SideRows, and what of it is the frame's, which what moves the frame does.
 /// Where a is that of F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long flight:
 /// the derivative of the same w has not.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <exception>
 
-#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar {
 

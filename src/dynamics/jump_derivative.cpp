@@ -18,8 +18,8 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
   }
   if (rates.side) {
-    const auto at = [this](std::span<const double> of) { return bar_.at_nodes(of); };
-    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.first_node(), force.size(), force);
+    const auto at = [this](std::span<const double> of) { return bar_.unknowns().at_nodes(of); };
+    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
   }
   for (const auto& [node, stiffness, dashpot, mass] : rates.supports)
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
@@ -47,7 +47,7 @@ void JumpFilter::add_slope(const Added& change, Function&& f, std::span<double> 
 }
 
 double JumpFilter::fading(const Derivative& derivative) const {
-  if (!bar_.damped()) return 0.0;
+  if (!bar_.bar().damped()) return 0.0;
   const Derivative::MatrixRates rates = derivative.matrix_rates();
   const Bar& bar = bar_.bar();
   const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
@@ -64,9 +64,9 @@ void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, 
   Added supports;
   std::array<double, 2> dashpots{};
   for (const Support& support : bar_.supports())
-    supports.stiffness[bar_.is_right(support.unknown)] -= support.stiffness * rates.modulus / bar.modulus;
+    supports.stiffness[bar_.unknowns().is_right(support.unknown)] -= support.stiffness * rates.modulus / bar.modulus;
   for (const Support& support : rates.supports) {
-    const bool right = bar_.is_right(support.unknown);
+    const bool right = bar_.unknowns().is_right(support.unknown);
     supports.stiffness[right] += support.stiffness;
     supports.mass[right] += support.mass;
     dashpots[right] += support.dashpot;
@@ -100,12 +100,12 @@ void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, 
     for (std::size_t i = 0; i < n; ++i) force[i] += further * shift_u_[i];
   }
   for (std::size_t i = 0; i < n; ++i) s[i] += force[i];
-  if (!bar_.has_dashpots()) return;
+  if (!has_dashpots(bar_.supports())) return;
   const std::vector<double> impulse = impulse_;
   answer_with_dashpots(force, s_rate);
   std::ranges::fill(change, 0.0);
   for (const Support& support : bar_.supports())
-    change[support.unknown] = -dashpots[bar_.is_right(support.unknown)] * shift_u_[support.unknown];
+    change[support.unknown] = -dashpots[bar_.unknowns().is_right(support.unknown)] * shift_u_[support.unknown];
   for (const Support& support : rates.supports) change[support.unknown] -= support.mass * impulse[support.unknown];
   factor_.solve(change);
   for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];

@@ -75,13 +75,13 @@ JumpFilter::JumpFilter(const BarSystem& bar) : bar_(bar) {
   const double viscous = material.viscosity / (h * impedance);
   const auto spans = [](const Contact& contact) { return contact.where == Where::span; };
   // Its polynomials are for the spectrum of rows that are all alike.
-  if (bar.mass() != Mass::fourth_order || !bar.rows_alike() || bar.mesh().elements < fewest_elements ||
+  if (bar.mass() != Mass::fourth_order || !bar.elements().rows_alike() || bar.mesh().elements < fewest_elements ||
       std::ranges::any_of(bar.contacts(), spans))
     return;
   // Springs along the bar that the mesh does not resolve give its long waves the frequencies of short ones.
   if (bar.side() && h * h * bar.side()->largest_stiffness() > 0.1 * material.modulus) return;
   for (const Support& support : bar.supports())
-    if (support.dashpot >= 0.5 * impedance) deaf_[bar.is_right(support.unknown)] = true;
+    if (support.dashpot >= 0.5 * impedance) deaf_[bar.unknowns().is_right(support.unknown)] = true;
   if (!(deaf_[0] && deaf_[1])) share_ = std::pow(std::max(0.0, 1.0 - 2.0 * viscous * viscous), 4);
   scale_ = h * h * material.density / material.modulus;
 }
@@ -94,11 +94,11 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
   for (const Support& support : bar_.supports()) {
     const double kappa = support.stiffness * bar_.mesh().spacing() / bar_.bar().modulus;
     const bool is_stiff = kappa > stiffest;
-    held[bar_.is_right(support.unknown)] |= is_stiff;
+    held[bar_.unknowns().is_right(support.unknown)] |= is_stiff;
     if (!is_stiff) stiffness = std::max(stiffness, kappa);
   }
   for (std::size_t i = 0; i < system.contacts().size(); ++i)
-    if (system.contacts().closed(i)) held[bar_.is_right(system.contacts()[i].unknown)] = true;
+    if (system.contacts().closed(i)) held[bar_.unknowns().is_right(system.contacts()[i].unknown)] = true;
   if (held_ == held) return;
   if (!held_) {
     stiffness_.emplace(bar_);
@@ -112,9 +112,9 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
 }
 
 void JumpFilter::factorise() {
-  BandedMatrix inertia = bar_.inertia();
+  BandedMatrix inertia = bar_.inertia().matrix();
   for (const bool right : {false, true}) {
-    double& end = inertia.diagonal[bar_.end(right)];
+    double& end = inertia.diagonal[bar_.unknowns().end(right)];
     end = (*held_)[right] ? std::numeric_limits<double>::infinity() : end + added_.mass[right];
   }
   factor_.factorise(inertia);
@@ -124,10 +124,11 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
   stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
   for (double& force : out) force *= bar_.bar().modulus;
   for (const Support& support : bar_.supports())
-    out[support.unknown] += (support.stiffness + added_.stiffness[bar_.is_right(support.unknown)]) * x[support.unknown];
+    out[support.unknown] +=
+        (support.stiffness + added_.stiffness[bar_.unknowns().is_right(support.unknown)]) * x[support.unknown];
   if (const SideRows* side = bar_.side())
-    side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.at_nodes(x)(j); }, bar_.first_node(),
-                   bar_.size(), out);
+    side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.unknowns().at_nodes(x)(j); },
+                   bar_.unknowns().first_node(), bar_.size(), out);
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
@@ -135,8 +136,8 @@ void JumpFilter::damping(std::span<const double> x, std::span<double> out) const
   for (double& force : out) force *= bar_.bar().viscosity;
   for (const Support& support : bar_.supports()) out[support.unknown] += support.dashpot * x[support.unknown];
   if (const SideRows* side = bar_.side())
-    side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.at_nodes(x)(j); }, bar_.first_node(), bar_.size(),
-                   out);
+    side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.unknowns().at_nodes(x)(j); },
+                   bar_.unknowns().first_node(), bar_.size(), out);
 }
 
 // True if what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half
@@ -145,7 +146,7 @@ bool JumpFilter::is_smooth(std::span<const double> force, double negligible) {
   std::ranges::copy(force, next_.begin());
   factor_.solve(next_);
   const auto n = static_cast<std::ptrdiff_t>(next_.size());
-  const std::ptrdiff_t first = bar_.left_fixed() ? -1 : 0, last = bar_.right_fixed() ? n : n - 1;
+  const std::ptrdiff_t first = bar_.unknowns().left_fixed() ? -1 : 0, last = bar_.unknowns().right_fixed() ? n : n - 1;
   const auto value = [&](std::ptrdiff_t i) { return i < 0 || i >= n ? 0.0 : next_[static_cast<std::size_t>(i)]; };
   double largest = 0.0;
   for (std::ptrdiff_t i = first + 2; i <= last - 2; ++i)
@@ -227,7 +228,7 @@ JumpFilter::Taken JumpFilter::put(PenalisedSystem& system, double t, std::span<d
   shift_u_.assign(force.begin(), force.end());
   shift_w_.assign(rate.begin(), rate.end());
   shifted_ = true;
-  if (bar_.has_dashpots()) answer_with_dashpots(force, w);
+  if (has_dashpots(bar_.supports())) answer_with_dashpots(force, w);
   taken.energy = before + taken.work - energy(system.contacts(), u, w);
   return taken;
 }
@@ -246,10 +247,10 @@ JumpFilter::Taken JumpFilter::begin(PenalisedSystem& system, double t, const Neg
 
 // There the load of the frame jumps, and the bar does not; or its velocities do as well, which are left as they are.
 bool JumpFilter::jumps_with_frame(double t, double end) const {
-  if (!bar_.moving()) return false;
+  if (!bar_.frame().moving()) return false;
   for (const bool right : {false, true})
-    if (bar_.inputs()[right].motion && !bar_.wall(right)) return true;
-  return bar_.kink(t, end).has_value();
+    if (bar_.inputs()[right].motion && !bar_.unknowns().wall(right)) return true;
+  return bar_.frame().kink(t, end).has_value();
 }
 
 JumpFilter::Taken JumpFilter::pass_break(PenalisedSystem& system, double t, double end, std::span<double> u,

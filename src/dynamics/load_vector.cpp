@@ -1,3 +1,5 @@
+#include "viscobar/dynamics/load_vector.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +9,9 @@
 
 #include "dynamics/finite_load.hpp"
 #include "dynamics/moments.hpp"
+#include "dynamics/nodal_load.hpp"
 #include "dynamics/pieces.hpp"
 #include "scene/times.hpp"
-#include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar {
 
@@ -27,23 +29,28 @@ double density_at(const SpaceTimeFunction& density, double x, double t) {
 
 }  // namespace
 
-LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), step_(step) {
-  steady_ = load_as<BarSystem::SteadyVector>() && !system.varying_forces_ && !system.moving() && !system.difference_;
-  if (system.difference_ && system.difference_->after->loaded())
-    for (const auto* of : {&system.difference_->after, &system.difference_->before}) {
+template <class Kind>
+const Kind* LoadVector::load_as() const {
+  return load_ && load_->distributed ? std::get_if<Kind>(&*load_->distributed) : nullptr;
+}
+
+LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), load_(system.load()), step_(step) {
+  steady_ = load_as<NodalLoad::Steady>() && !load_->varying_forces && !system.frame().moving() && !load_->difference;
+  if (load_ && load_->difference && load_->difference->after->loaded())
+    for (const auto* of : {&load_->difference->after, &load_->difference->before}) {
       const LoadVector& one = difference_.emplace_back(**of);
       breaks_.insert(breaks_.end(), one.breaks_.begin(), one.breaks_.end());
     }
-  if (const auto* separable = load_as<BarSystem::SeparableVector>()) breaks_.push_back(separable->breaks);
-  if (const auto* general = load_as<BarSystem::GeneralVector>()) {
+  if (const auto* separable = load_as<NodalLoad::Separable>()) breaks_.push_back(separable->breaks);
+  if (const auto* general = load_as<NodalLoad::General>()) {
     nodal_.resize(2 * system.mesh().nodes());
     breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
   for (const bool right : {false, true}) {
-    const EndInput& input = system.inputs_[right];
-    if (input.force && system.varying_forces_) breaks_.push_back(input.force->breaks);
-    if (system.moves_frame(right)) breaks_.push_back(input.motion->breaks);
+    const EndInput& input = system.inputs()[right];
+    if (load_ && load_->varying_forces && input.force) breaks_.push_back(input.force->breaks);
+    if (system.frame().moves(right)) breaks_.push_back(input.motion->breaks);
   }
   std::erase_if(breaks_, [](const NextBreak& one) { return !one; });
   if (!breaks_.empty() || breaks_at_)
@@ -110,13 +117,13 @@ bool LoadVector::jump(double t, double end, double apart, std::span<double> forc
 }
 
 std::span<const double> LoadVector::at(double t) {
-  if (steady_) return load_as<BarSystem::SteadyVector>()->weighted;
+  if (steady_) return load_as<NodalLoad::Steady>()->weighted;
   t = inside(t);
   if (time_ == t) return weighted_;
   ++evaluations_;
   find_distributed(t);
   add_inputs(t);
-  double times = difference_.empty() ? 0.0 : system_.difference_->times;
+  double times = difference_.empty() ? 0.0 : load_->difference->times;
   for (LoadVector& one : difference_) {
     const std::span<const double> load = one.at(t);
     for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] += times * load[i];
@@ -127,15 +134,15 @@ std::span<const double> LoadVector::at(double t) {
 }
 
 void LoadVector::find_distributed(double t) {
-  if (!system_.load_) {
+  if (!load_ || !load_->distributed) {
     std::ranges::fill(weighted_, 0.0);
-  } else if (const auto* steady = load_as<BarSystem::SteadyVector>()) {
+  } else if (const auto* steady = load_as<NodalLoad::Steady>()) {
     std::ranges::copy(steady->weighted, weighted_.begin());
-  } else if (const auto* separable = load_as<BarSystem::SeparableVector>()) {
+  } else if (const auto* separable = load_as<NodalLoad::Separable>()) {
     const double history = history_at(separable->history, t);
     for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] = history * separable->weighted[i];
   } else {
-    const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+    const auto& general = std::get<NodalLoad::General>(*load_->distributed);
     const Mesh& mesh = system_.mesh();
     const std::span<double> values = std::span(nodal_).first(mesh.nodes()),
                             product = std::span(nodal_).last(mesh.nodes());
@@ -146,15 +153,15 @@ void LoadVector::find_distributed(double t) {
       for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
       general.mass.multiply(values, product);
     }
-    std::ranges::copy(product.subspan(system_.first_node(), weighted_.size()), weighted_.begin());
+    std::ranges::copy(product.subspan(system_.unknowns().first_node(), weighted_.size()), weighted_.begin());
   }
 }
 
 template <class Add>
 void LoadVector::add_moments(double t, std::size_t first, std::size_t last, Add&& add) const {
-  const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+  const auto& general = std::get<NodalLoad::General>(*load_->distributed);
   const NextBreak breaks = [&](double after, double until) { return general.breaks_in_x(t, after, until); };
-  for (const Piece& piece : *system_.pieces_) {
+  for (const Piece& piece : system_.elements().pieces()) {
     const std::size_t from = std::max(first, piece.first), to = std::min(last, piece.last());
     if (from >= to) continue;
     viscobar::add_moments(
@@ -166,7 +173,7 @@ void LoadVector::add_moments(double t, std::size_t first, std::size_t last, Add&
 
 // A step back from the start there is no motion.
 Lift LoadVector::lift(double t, int derivative) const {
-  return step_ > 0.0 && t >= step_ ? system_.lift(t, derivative, step_) : system_.lift(t, derivative);
+  return step_ > 0.0 && t >= step_ ? system_.frame().lift(t, derivative, step_) : system_.frame().lift(t, derivative);
 }
 
 // The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear in one
@@ -174,20 +181,20 @@ Lift LoadVector::lift(double t, int derivative) const {
 std::array<double, 2> LoadVector::end_forces(double t) const {
   std::array<double, 2> forces{};
   for (const bool right : {false, true})
-    if (const auto& force = system_.inputs_[right].force; force && system_.varying_forces_)
+    if (const auto& force = system_.inputs()[right].force; force && load_->varying_forces)
       forces[right] = finite_load(
           t, [&] { return force->value(t); },
           [&] { return fmt::format("the force at the {} end at t = {}", right ? "right" : "left", t); });
-  if (!system_.moving()) return forces;
+  if (!system_.frame().moving()) return forces;
   const Lift at = lift(t, 0), rate = lift(t, 1);
   const Bar& bar = system_.bar();
-  const double pull =
-      system_.is_chain()
-          ? 0.0
-          : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
+  const double pull = system_.elements().is_chain()
+                          ? 0.0
+                          : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) /
+                                system_.elements().whole_stretch();
   std::array<double, 2> of_lift = {pull, -pull};
   for (const Support& support : system_.supports()) {
-    const bool right = system_.is_right(support.unknown);
+    const bool right = system_.unknowns().is_right(support.unknown);
     of_lift[right] -= support.stiffness * at.of(right) + support.dashpot * rate.of(right);
   }
   return {forces[0] + of_lift[0], forces[1] + of_lift[1]};
@@ -195,55 +202,53 @@ std::array<double, 2> LoadVector::end_forces(double t) const {
 
 void LoadVector::add_inputs(double t) {
   const std::array<double, 2> forces = end_forces(t);
-  if (system_.moving()) {
+  if (system_.frame().moving()) {
     const Lift acceleration = lift(t, 2);
-    const auto& [left, right] = system_.lift_inertia_;
-    for (std::size_t i = 0; i < weighted_.size(); ++i)
-      weighted_[i] -= acceleration.left * left[i] + acceleration.right * right[i];
-    if (system_.has_lift_force()) {
+    for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] -= system_.frame().inertial_force(acceleration, i);
+    if (system_.frame().has_inner_force()) {
       const Lift displacement = lift(t, 0), velocity = lift(t, 1);
-      for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] += system_.lift_force(displacement, velocity, i);
+      for (std::size_t i = 0; i < weighted_.size(); ++i)
+        weighted_[i] += system_.frame().inner_force(displacement, velocity, i);
     }
   }
-  if (!system_.left_fixed()) weighted_.front() += forces[0];
-  if (!system_.right_fixed()) weighted_.back() += forces[1];
+  if (!system_.unknowns().left_fixed()) weighted_.front() += forces[0];
+  if (!system_.unknowns().right_fixed()) weighted_.back() += forces[1];
 }
 
 double LoadVector::at(double t, std::size_t unknown) const {
-  if (steady_) return load_as<BarSystem::SteadyVector>()->weighted[unknown];
+  if (steady_) return load_as<NodalLoad::Steady>()->weighted[unknown];
   t = inside(t);
-  double sum = distributed(t, unknown + system_.first_node());
+  double sum = distributed(t, unknown + system_.unknowns().first_node());
   if (!difference_.empty())
-    sum += system_.difference_->times * (difference_[0].at(t, unknown) - difference_[1].at(t, unknown));
-  const bool left = unknown == 0 && !system_.left_fixed();
-  const bool right = unknown + 1 == system_.size() && !system_.right_fixed();
+    sum += load_->difference->times * (difference_[0].at(t, unknown) - difference_[1].at(t, unknown));
+  const bool left = unknown == 0 && !system_.unknowns().left_fixed();
+  const bool right = unknown + 1 == system_.size() && !system_.unknowns().right_fixed();
   if (left || right) {
     const std::array<double, 2> forces = end_forces(t);
     sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
   }
-  if (!system_.moving()) return sum;
-  if (system_.has_lift_force()) sum += system_.lift_force(lift(t, 0), lift(t, 1), unknown);
+  if (!system_.frame().moving()) return sum;
+  if (system_.frame().has_inner_force()) sum += system_.frame().inner_force(lift(t, 0), lift(t, 1), unknown);
   const Lift acceleration = lift(t, 2);
-  return sum - (acceleration.left * system_.lift_inertia_[0][unknown] +
-                acceleration.right * system_.lift_inertia_[1][unknown]);
+  return sum - system_.frame().inertial_force(acceleration, unknown);
 }
 
 double LoadVector::at_held(double t, bool right) const {
   const double own = distributed(inside(t), right ? system_.mesh().elements : 0);
   if (difference_.empty()) return own;
-  return own + system_.difference_->times * (difference_[0].at_held(t, right) - difference_[1].at_held(t, right));
+  return own + load_->difference->times * (difference_[0].at_held(t, right) - difference_[1].at_held(t, right));
 }
 
 double LoadVector::distributed(double t, std::size_t node) const {
-  if (!system_.load_) return 0.0;
+  if (!load_ || !load_->distributed) return 0.0;
   const auto entry = [&](const auto& of) {
-    const std::size_t unknown = node - system_.first_node();  // beyond all of a fixed end
+    const std::size_t unknown = node - system_.unknowns().first_node();  // beyond all of a fixed end
     return unknown < of.weighted.size() ? of.weighted[unknown] : of.held[node > 0];
   };
-  if (const auto* steady = load_as<BarSystem::SteadyVector>()) return entry(*steady);
-  if (const auto* separable = load_as<BarSystem::SeparableVector>())
+  if (const auto* steady = load_as<NodalLoad::Steady>()) return entry(*steady);
+  if (const auto* separable = load_as<NodalLoad::Separable>())
     return history_at(separable->history, t) * entry(*separable);
-  const auto& general = std::get<BarSystem::GeneralVector>(*system_.load_);
+  const auto& general = std::get<NodalLoad::General>(*load_->distributed);
   if (general.breaks_in_x) {
     double moment = 0.0;
     add_moments(t, node > 0 ? node - 1 : 0, std::min(node + 1, system_.mesh().elements),

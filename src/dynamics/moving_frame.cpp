@@ -1,17 +1,15 @@
+#include "viscobar/dynamics/moving_frame.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <string_view>
 #include <utility>
-#include <vector>
+#include <variant>
 
 #include "dynamics/finite_load.hpp"
 #include "scene/times.hpp"
-#include "viscobar/dynamics/bar_system.hpp"
-
-// BarSystem in a frame that moves with the walls of its ends, or with the obstacles that they have met.
+#include "viscobar/dynamics/side_rows.hpp"
 
 namespace viscobar {
 
@@ -32,74 +30,89 @@ double motion_at(const EndMotion& motion, double t, int derivative, bool right) 
 
 }  // namespace
 
-BarSystem BarSystem::following() const {
-  BarSystem system = *this;
-  system.following_ = true;
-  if (system.moving()) system.enter_frame();
-  return system;
+MovingFrame::MovingFrame(const Scene& scene, const Unknowns& unknowns, std::shared_ptr<const Elements> elements,
+                         std::shared_ptr<const Inertia> inertia, const SideRows* side)
+    : elements_(std::move(elements)),
+      inertia_(std::move(inertia)),
+      unknowns_(unknowns),
+      motions_{scene.left_input.motion, scene.right_input.motion},
+      free_{std::holds_alternative<Free>(scene.left), std::holds_alternative<Free>(scene.right)} {
+  enter(side);
 }
 
-double BarSystem::gap(const Contact& contact, double t, int derivative) const {
+MovingFrame MovingFrame::following(const SideRows* side) const {
+  MovingFrame frame = *this;
+  frame.following_ = true;
+  frame.enter(side);
+  return frame;
+}
+
+MovingFrame MovingFrame::with(const SideRows* side) const {
+  MovingFrame frame = *this;
+  frame.enter(side);
+  return frame;
+}
+
+void MovingFrame::enter(const SideRows* side) {
+  if (!moving()) return;
+  rigid_ = free_[moves(false)];
+  inner_ = {};
+  const Mesh& mesh = elements_->mesh();
+  const Bar& bar = elements_->bar();
+  const std::size_t first = unknowns_.first_node(), n = unknowns_.size();
+  std::vector<double> share(mesh.nodes()), product(mesh.nodes());
+  for (const bool right : {false, true}) {
+    for (std::size_t j = 0; j < share.size(); ++j) share[j] = right ? elements_->share(j) : 1.0 - elements_->share(j);
+    inertia_->whole().multiply(share, product);
+    const auto of_unknowns = unknowns_.part(std::span(product));
+    inertial_[right].assign(of_unknowns.begin(), of_unknowns.end());
+    if (!side && !elements_->is_chain()) continue;
+    auto& [of_stiffness, of_drag] = inner_;
+    of_stiffness[right].assign(n, 0.0), of_drag[right].assign(n, 0.0);
+    for (std::size_t e = 0; elements_->is_chain() && e < mesh.elements; ++e) {
+      const double stretched = share[e + 1] - share[e];
+      const std::size_t i = e - first;  // beyond all of a fixed end
+      const auto pull = [&](std::vector<double>& row, double force) {
+        if (i < n) row[i] += force;
+        if (i + 1 < n) row[i + 1] -= force;
+      };
+      pull(of_stiffness[right], bar.modulus * elements_->stretch_weight(e) * stretched);
+      if (bar.damped()) pull(of_drag[right], bar.viscosity * elements_->rate_weights()[e] * stretched);
+    }
+    if (!side) continue;
+    side->subtract([&](std::size_t j) { return side->stiffness(j) * share[j]; }, first, n, of_stiffness[right]);
+    side->subtract([&](std::size_t j) { return side->drag(j) * share[j]; }, first, n, of_drag[right]);
+  }
+}
+
+double MovingFrame::gap(const Contact& contact, double t, int derivative) const {
   if (!moves(contact)) return derivative == 0 ? contact.gap : 0.0;
   const bool right = contact.where == Where::right;
-  return (derivative == 0 ? contact.gap : 0.0) - contact.sign * motion_at(*inputs_[right].motion, t, derivative, right);
+  return (derivative == 0 ? contact.gap : 0.0) - contact.sign * motion_at(*motions_[right], t, derivative, right);
 }
 
-void BarSystem::change_frame(const BarSystem& to, double t, std::span<double> u, std::span<double> w) const {
+void MovingFrame::change(const MovingFrame& to, double t, std::span<double> u, std::span<double> w) const {
   for (const auto& [derivative, field] : {std::pair{0, u}, {1, w}}) {
     const Lift from = lift(t, derivative), into = to.lift(t, derivative);
     for (std::size_t i = 0; i < field.size(); ++i) field[i] += from.at(share(i)) - into.at(share(i));
   }
 }
 
-void BarSystem::enter_frame() {
-  rigid_frame_ = free_[moves_frame(false)];
-  std::vector<double> share(mesh_.nodes()), product(mesh_.nodes());
-  for (const bool right : {false, true}) {
-    for (std::size_t j = 0; j < share.size(); ++j) share[j] = right ? node_share(j) : 1.0 - node_share(j);
-    whole_inertia_.multiply(share, product);
-    const auto of_unknowns = std::span(product).subspan(first_node(), size());
-    lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
-    if (!has_lift_force()) continue;
-    auto& [of_stiffness, of_drag] = lift_rows_;
-    of_stiffness[right].assign(size(), 0.0), of_drag[right].assign(size(), 0.0);
-    for (std::size_t e = 0; chain_ && e < mesh_.elements; ++e) {
-      const double stretched = share[e + 1] - share[e];
-      const std::size_t i = e - first_node();  // beyond all of a fixed end
-      const auto pull = [&](std::vector<double>& row, double force) {
-        if (i < size()) row[i] += force;
-        if (i + 1 < size()) row[i + 1] -= force;
-      };
-      pull(of_stiffness[right], bar_.modulus * inverse_spacing_[e] * stretched);
-      if (damped()) pull(of_drag[right], bar_.viscosity * rate_weights()[e] * stretched);
-    }
-    if (!side_) continue;
-    side_->subtract([&](std::size_t j) { return side_->stiffness(j) * share[j]; }, first_node(), size(),
-                    of_stiffness[right]);
-    side_->subtract([&](std::size_t j) { return side_->drag(j) * share[j]; }, first_node(), size(), of_drag[right]);
-  }
-}
-
-void BarSystem::take_side(const BarSystem& of) {
-  side_ = of.side_;
-  if (moving()) enter_frame();
-}
-
-double BarSystem::lift_force(const Lift& lift, const Lift& rate, std::size_t unknown) const {
-  const auto& [of_stiffness, of_drag] = lift_rows_;
+double MovingFrame::inner_force(const Lift& lift, const Lift& rate, std::size_t unknown) const {
+  const auto& [of_stiffness, of_drag] = inner_;
   return lift.left * of_stiffness[0][unknown] + lift.right * of_stiffness[1][unknown] +
          rate.left * of_drag[0][unknown] + rate.right * of_drag[1][unknown];
 }
 
-Lift BarSystem::lift(double t, int derivative) const {
+Lift MovingFrame::lift(double t, int derivative) const {
   Lift lift;
   for (const bool right : {false, true})
-    if (moves_frame(right)) lift.of(right) = motion_at(*inputs_[right].motion, t, derivative, right);
-  if (rigid_frame_) lift.left = lift.right = moves_frame(false) ? lift.left : lift.right;
+    if (moves(right)) lift.of(right) = motion_at(*motions_[right], t, derivative, right);
+  if (rigid_) lift.left = lift.right = moves(false) ? lift.left : lift.right;
   return lift;
 }
 
-Lift BarSystem::lift(double t, int derivative, double step) const {
+Lift MovingFrame::lift(double t, int derivative, double step) const {
   const Lift before = lift(t - step, 0), after = lift(t + step, 0), now = derivative > 1 ? lift(t, 0) : Lift{};
   const auto of = [&](bool right) {
     const double a = before.of(right), b = now.of(right), c = after.of(right);
@@ -134,7 +147,7 @@ double jump_of(auto&& f, int n, double t, double end) {
 
 }  // namespace
 
-std::optional<FrameJump> BarSystem::kink(double t, double end) const {
+std::optional<FrameJump> MovingFrame::kink(double t, double end) const {
   if (!moving()) return std::nullopt;
   const auto jump = [&](bool right, int derivative) {
     return jump_of([&](double at, int n) { return lift(at, n).of(right); }, derivative, t, end);
@@ -142,8 +155,8 @@ std::optional<FrameJump> BarSystem::kink(double t, double end) const {
   FrameJump found;
   for (const bool right : {false, true}) {
     found.displacement.of(right) = jump(right, 0);
-    const bool own = rigid_frame_ ? !moves_frame(right) : false;  // moved by the other end
-    if (found.displacement.of(right) != 0.0 && walls_[own ? !right : right])
+    const bool own = rigid_ ? !moves(right) : false;  // moved by the other end
+    if (found.displacement.of(right) != 0.0 && unknowns_.wall(own ? !right : right))
       throw LoadError(
           t, fmt::format("the motion at the {} end jumps at t = {}", (own ? !right : right) ? "right" : "left", t));
   }
@@ -157,68 +170,24 @@ std::optional<FrameJump> BarSystem::kink(double t, double end) const {
   return found;
 }
 
-void BarSystem::pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const {
+void MovingFrame::pass_kink(const FrameJump& jump, std::span<double> u, std::span<double> w) const {
   if (jump.displaces())
-    for (std::size_t i = 0; i < size(); ++i) u[i] -= jump.displacement.at(share(i));
-  std::vector<double> change(size());
-  for (std::size_t i = 0; i < change.size(); ++i)
-    change[i] = jump.velocity.left * lift_inertia_[0][i] + jump.velocity.right * lift_inertia_[1][i];
-  accelerate(change);
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) u[i] -= jump.displacement.at(share(i));
+  std::vector<double> change(unknowns_.size());
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = inertial_force(jump.velocity, i);
+  inertia_->accelerate(change);
   for (std::size_t i = 0; i < change.size(); ++i) w[i] -= change[i];
 }
 
-double BarSystem::gap_jump(const Contact& contact, double t, double end, int derivative) const {
+double MovingFrame::gap_jump(const Contact& contact, double t, double end, int derivative) const {
   const bool right = contact.where == Where::right;
-  if (!contact.at_end() || !inputs_[right].motion) return 0.0;
-  const EndMotion& motion = *inputs_[right].motion;
+  if (!contact.at_end() || !motions_[right]) return 0.0;
+  const EndMotion& motion = *motions_[right];
   return -contact.sign * jump_of([&](double at, int n) { return motion_at(motion, at, n, right); }, derivative, t, end);
 }
 
-void BarSystem::add_lift(const Lift& lift, std::span<double> nodal) const {
-  for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(node_share(j));
-}
-
-BarEnergy BarSystem::nodal_energy(std::span<const double> u, std::span<const double> v) const {
-  BarEnergy energy;
-  if (moving()) {
-    energy.kinetic = 0.5 * whole_inertia_.quadratic_form(v);
-    for (std::size_t j = 0; j < mesh_.elements; ++j) {
-      const double strain = u[j + 1] - u[j];
-      energy.elastic += 0.5 * bar_.modulus * strain * strain / stretch(j);
-    }
-  } else {
-    energy.kinetic = 0.5 * inertia_.quadratic_form(v.subspan(first_node(), size()));
-    energy.elastic = 0.5 * bar_.modulus * squared_strain(u.subspan(first_node(), size()));
-  }
-  for (const Support& support : supports_) {
-    const double at = u[support.unknown + first_node()];
-    energy.elastic += 0.5 * support.stiffness * at * at;
-  }
-  if (side_) energy.elastic += side_->energy([u](std::size_t j) { return u[j]; });
-  return energy;
-}
-
-BarEnergy BarSystem::lifted_energy(const Lift& lift, const Lift& rate, std::span<const double> u,
-                                   std::span<const double> w) const {
-  std::vector<double> displacement(mesh_.nodes()), velocity(mesh_.nodes());
-  expand_displacement(u, displacement);
-  expand_velocity(w, velocity);
-  if (moving()) {
-    add_lift(lift, displacement);
-    add_lift(rate, velocity);
-  }
-  return nodal_energy(displacement, velocity);
-}
-
-double BarSystem::end_lift_loss(const Lift& rate, double left, double right) const {
-  const double strain_rate = chain_ ? 0.0 : (rate.right - rate.left) / whole_stretch();
-  double sum = bar_.viscosity * strain_rate * (2.0 * (right - left) + strain_rate * whole_stretch());
-  for (const Support& support : supports_) {
-    const bool at_right = is_right(support.unknown);
-    const double frame = rate.of(at_right);
-    sum += support.dashpot * frame * (2.0 * (at_right ? right : left) + frame);
-  }
-  return sum;
+void MovingFrame::add_lift(const Lift& lift, std::span<double> nodal) const {
+  for (std::size_t j = 0; j < nodal.size(); ++j) nodal[j] += lift.at(elements_->share(j));
 }
 
 }  // namespace viscobar

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <span>
 
+#include "viscobar/dynamics/load_vector.hpp"
+
 namespace viscobar {
 
 namespace {
@@ -49,7 +51,7 @@ double mean_load(const BarSystem& system, double end) {
   LoadVector load(system);
   // A force on an end is none along the bar.
   const auto& [left, right] = system.inputs();
-  const bool ends = left.force || right.force || system.moving();
+  const bool ends = left.force || right.force || system.frame().moving();
   return mean(
              end, load.steady() ? 1 : looks_at_varying,
              [&](double t) {
@@ -77,7 +79,7 @@ double moved_by_ends(const BarSystem& system, double tau, double end) {
     const EndInput& input = system.inputs()[right];
     if (input.force)
       most = std::max(most, tau * mean_size(input.force->value, input.force->breaks, end) / bar.impedance());
-    if (input.motion && system.wall(right))
+    if (input.motion && system.unknowns().wall(right))
       most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   }
   return most;
@@ -87,7 +89,7 @@ double moved_by_ends(const BarSystem& system, double tau, double end) {
 double moved_by_obstacles(const BarSystem& system, double end) {
   double most = 0.0;
   for (const bool right : {false, true})
-    if (const EndInput& input = system.inputs()[right]; input.motion && !system.wall(right))
+    if (const EndInput& input = system.inputs()[right]; input.motion && !system.unknowns().wall(right))
       most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   return most;
 }

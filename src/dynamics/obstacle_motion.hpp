@@ -31,7 +31,7 @@ inline std::vector<std::size_t> left_by_jump(const Contacts& contacts, const Fra
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& contact = contacts[i];
-    const double towards = contact.sign * contacts.bar().lift_at(contact, jump.displacement);
+    const double towards = contact.sign * contacts.bar().frame().lift_at(contact, jump.displacement);
     const double clear = contacts.clearance(i, u);
     if (towards == 0.0 || (clear >= -contacts[i].clearance_rounding(largest) && !contacts.closed(i))) continue;
     if (towards > 0.0) throw LoadError(t, into_the_bar(contact, t));

@@ -44,11 +44,11 @@ void PenalisedSystem::dynamic_stiffness(double m, double c, double k, BandedMatr
 void PenalisedSystem::accelerate(std::span<double> force) {
   bool holds_mass = false;
   for (std::size_t i = 0; contacts_.collides() && i < contacts_.size(); ++i) holds_mass |= contacts_.holds_mass(i);
-  if (!holds_mass) return bar_.accelerate(force);
+  if (!holds_mass) return bar_.inertia().accelerate(force);
   if (held_from_ != contacts_.revision()) {
-    BandedMatrix inertia = bar_.inertia();
-    for (std::size_t i = 0; i < bar_.massive_begin(); ++i) inertia.diagonal[i] = infinite;
-    for (std::size_t i = bar_.massive_end(); i < size(); ++i) inertia.diagonal[i] = infinite;
+    BandedMatrix inertia = bar_.inertia().matrix();
+    for (std::size_t i = 0; i < bar_.inertia().massive_begin(); ++i) inertia.diagonal[i] = infinite;
+    for (std::size_t i = bar_.inertia().massive_end(); i < size(); ++i) inertia.diagonal[i] = infinite;
     for (std::size_t i = 0; i < contacts_.size(); ++i)
       if (contacts_.holds_mass(i) && contacts_[i].joint == 0) inertia.diagonal[contacts_[i].unknown] = infinite;
     contacts_.tie_joints(inertia);
@@ -61,10 +61,10 @@ void PenalisedSystem::accelerate(std::span<double> force) {
 void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, std::span<const double> w,
                                           std::span<double> nodal) {
   nodal.front() = nodal.back() = 0.0;
-  const std::span<double> unknowns = nodal.subspan(bar_.first_node(), size());
+  const std::span<double> unknowns = nodal.subspan(bar_.unknowns().first_node(), size());
   force(t, u, w, unknowns);
   accelerate(unknowns);
-  if (bar_.moving()) bar_.add_lift(load_.lift(t, 2), nodal);
+  if (bar_.frame().moving()) bar_.frame().add_lift(load_.lift(t, 2), nodal);
 }
 
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
@@ -101,10 +101,10 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
     w[end] = 0.0;
     return;
   }
-  const double h = bar_.stretch_at(end);
+  const double h = bar_.elements().stretch_beside(end);
   const double modulus = bar_.bar().modulus / h, damping = bar_.bar().viscosity / h;
   const std::size_t next = neighbour(end);
-  if (bar_.damped()) {
+  if (bar_.bar().damped()) {
     double force = modulus * (u[next] - u[end] + (contacts_.origin().at(next) - contacts_.origin().at(end))) +
                    damping * w[next] + load_.at(end, t);
     for (std::size_t i = 0; i < contacts_.size(); ++i)
@@ -127,8 +127,8 @@ void PenalisedSystem::complete_velocity_of(std::size_t end, double t, std::span<
 }
 
 void PenalisedSystem::complete_velocity(double t, std::span<const double> u, std::span<double> w) {
-  if (bar_.massive_begin() == 1) complete_velocity_of(0, t, u, w);
-  if (bar_.massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);
+  if (bar_.inertia().massive_begin() == 1) complete_velocity_of(0, t, u, w);
+  if (bar_.inertia().massive_end() + 1 == size()) complete_velocity_of(size() - 1, t, u, w);
 }
 
 void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::span<double> u) {
@@ -137,8 +137,8 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
       if (contacts_[i].unknown == end) contacts_.place(i, u);
     return;
   }
-  if (bar_.damped()) return;
-  const double modulus = bar_.bar().modulus / bar_.stretch_at(end);
+  if (bar_.bar().damped()) return;
+  const double modulus = bar_.bar().modulus / bar_.elements().stretch_beside(end);
   const std::size_t next = neighbour(end);
   double force = modulus * (u[next] + (contacts_.origin().at(next) - contacts_.origin().at(end))) + load_.at(end, t),
          stiffness = modulus;
@@ -151,8 +151,8 @@ void PenalisedSystem::complete_displacement_of(std::size_t end, double t, std::s
 }
 
 void PenalisedSystem::complete_displacement(double t, std::span<double> u) {
-  if (bar_.massive_begin() == 1) complete_displacement_of(0, t, u);
-  if (bar_.massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
+  if (bar_.inertia().massive_begin() == 1) complete_displacement_of(0, t, u);
+  if (bar_.inertia().massive_end() + 1 == size()) complete_displacement_of(size() - 1, t, u);
 }
 
 }  // namespace viscobar

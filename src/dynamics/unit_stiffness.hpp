@@ -14,13 +14,13 @@ namespace viscobar {
 class UnitStiffness {
  public:
   explicit UnitStiffness(const BarSystem& bar)
-      : UnitStiffness(bar, [&](std::size_t e) { return 1.0 / bar.stretch(e); }) {}
+      : UnitStiffness(bar, [&](std::size_t e) { return 1.0 / bar.elements().stretch(e); }) {}
   /// With springs of_element(e) in place of them.
   UnitStiffness(const BarSystem& bar, auto&& of_element) {
-    const std::size_t first = bar.first_node();
+    const std::size_t first = bar.unknowns().first_node();
     for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(of_element(first + i));
-    if (bar.left_fixed()) ground_[0] = of_element(std::size_t{0});
-    if (bar.right_fixed()) ground_[1] = of_element(bar.mesh().elements - 1);
+    if (bar.unknowns().left_fixed()) ground_[0] = of_element(std::size_t{0});
+    if (bar.unknowns().right_fixed()) ground_[1] = of_element(bar.mesh().elements - 1);
   }
 
   /// out = K x of the values x(i), which are numbers, or what is added and multiplied as such.

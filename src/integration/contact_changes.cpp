@@ -75,7 +75,7 @@ void ContactChanges::switch_one(std::size_t i, double t, double begin, double en
     on_.books.dissipate((opens ? 1.0 : -1.0) * contacts_[i].law.stop()->energy(-contacts_.clearance(i, u())));
   if (!opens) close(t, i, contacts_[i].of(w()));
   // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
-  if (!by_push && (!on_.system.bar().massless(contacts_[i].unknown) || on_.system.bar().damped()))
+  if (!by_push && (!on_.system.bar().inertia().massless(contacts_[i].unknown) || on_.system.bar().bar().damped()))
     contacts_.place(i, u());
   if (opens) open(i, told, {t, begin, end, on_.watchdog.last_change(), load_break});
   if (on_.sensitivities) on_.sensitivities->after(t, i, on_.y);
@@ -96,7 +96,7 @@ void ContactChanges::open(std::size_t i, double told, const Opening& opening) {
 // The velocity that the pull of a contact has taken from the bar before it opened, and the heat that made of it.
 void ContactChanges::give_back(double velocity) {
   if (velocity == 0.0) return;
-  const auto kinetic = [&] { return 0.5 * on_.system.bar().inertia().quadratic_form(w()); };
+  const auto kinetic = [&] { return 0.5 * on_.system.bar().inertia().matrix().quadratic_form(w()); };
   const double before = kinetic();
   for (std::size_t i = 0; i < on_.layout.nodes; ++i)
     if (!contacts_.held(i)) w()[i] += velocity;
@@ -108,7 +108,7 @@ void ContactChanges::close(double t, std::size_t i, double velocity) {
   if (contacts_[i].collides) return strike(t, i, velocity);
   tell(t, i, Change::closing, velocity);
   contacts_.set_closed(i, true);
-  Watchdog::close(t, contacts_[i].unknown + on_.system.bar().first_node(), contacts_[i].rate);
+  Watchdog::close(t, contacts_[i].unknown + on_.system.bar().unknowns().first_node(), contacts_[i].rate);
 }
 
 // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
@@ -117,7 +117,7 @@ void ContactChanges::close(double t, std::size_t i, double velocity) {
 // strikes, or an obstacle moves in by more than half of that velocity and turns back, it is one.
 void ContactChanges::strike(double t, std::size_t i, std::optional<double> closing) {
   ErrorWeights& weights = on_.stepper.weights();
-  const double h = on_.system.bar().stretch_at(contacts_[i].unknown);
+  const double h = on_.system.bar().elements().stretch_beside(contacts_[i].unknown);
   std::vector<double> change(w().begin(), w().end());
   const Collision collision =
       collide(on_.system, i, t, u(), w(),
@@ -148,7 +148,9 @@ void ContactChanges::strike(double t, std::size_t i, std::optional<double> closi
 }
 
 bool ContactChanges::is_of_scene(double t, std::size_t i, double closing) const {
-  return on_.system.bar().mass_at(contacts_[i]) > 0.0 || (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
+  const Contact& contact = contacts_[i];
+  const double mass = contact.at_end() ? on_.system.bar().inputs()[contact.where == Where::right].mass : 0.0;
+  return mass > 0.0 || (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
          2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing);
 }
 
@@ -168,7 +170,7 @@ void ContactChanges::strike_by_kink(double t, const FrameJump& jump) {
     const std::size_t node = contacts_[i].unknown;
     if (!contacts_.holds_mass(i) || contacts_[i].joint > 0) continue;
     // A kink of the other end's motion leaves a rounding.
-    if (jump.velocity.at(on_.system.bar().share(node)) == 0.0) w()[node] = 0.0;
+    if (jump.velocity.at(on_.system.bar().frame().share(node)) == 0.0) w()[node] = 0.0;
     if (w()[node] == 0.0) continue;
     contacts_.set_closed(i, false);
     if (on_.sensitivities) changes_ = on_.sensitivities->at_break(t, on_.end, i, on_.y);
@@ -190,7 +192,7 @@ void ContactChanges::distrust_toggling() {
 // The velocity of the frame at a contact is that of its obstacle, at a kink on the side of the leg.
 double ContactChanges::frame_velocity(double t, std::size_t i) const {
   const BarSystem& bar = on_.system.bar();
-  return bar.moving() ? bar.lift_at(contacts_[i], on_.system.load().lift(t, 1)) : 0.0;
+  return bar.frame().moving() ? bar.frame().lift_at(contacts_[i], on_.system.load().lift(t, 1)) : 0.0;
 }
 
 // True if the node is back before a wave has crossed the element behind it: no mesh tells these strikes apart.
@@ -198,7 +200,7 @@ bool ContactChanges::goes_on(double t, std::size_t i) const {
   if (!withheld_ || withheld_->contact != i) return false;
   const Mesh& mesh = on_.system.bar().mesh();
   const Contact& contact = contacts_[i];
-  const double h = mesh.element(contact.joint > 0              ? on_.system.bar().element_at(contact.unknown)
+  const double h = mesh.element(contact.joint > 0              ? on_.system.bar().elements().beside(contact.unknown)
                                 : contact.where == Where::left ? 0
                                                                : mesh.elements - 1);
   return t - withheld_->last < h * on_.system.bar().bar().slowness();
@@ -215,12 +217,14 @@ void ContactChanges::withhold_closing(double t, std::size_t i, double velocity) 
 void ContactChanges::tell_closing(double t, std::size_t i, double velocity) {
   if (!goes_on(t, i)) return tell(t, i, Change::closing, velocity);
   const Withheld first = *std::exchange(withheld_, std::nullopt);
-  notifier_.event(first.time, on_.system.bar(), contacts_[i], Change::closing, first.velocity, first.sensitivities);
+  notifier_.event(first.time, on_.system.bar().unknowns(), contacts_[i], Change::closing, first.velocity,
+                  first.sensitivities);
 }
 
 void ContactChanges::tell(double t, std::size_t i, Change change, double velocity) {
   withheld_.reset();  // events are told in their order
-  notifier_.event(t, on_.system.bar(), contacts_[i], change, velocity + frame_velocity(t, i), sensitivities_at(t, i));
+  notifier_.event(t, on_.system.bar().unknowns(), contacts_[i], change, velocity + frame_velocity(t, i),
+                  sensitivities_at(t, i));
 }
 
 std::vector<ChangeSensitivity> ContactChanges::sensitivities_at(double t, std::size_t i) const {

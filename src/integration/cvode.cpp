@@ -74,8 +74,8 @@ class CvodeStepper final : public Multistep {
     if (formulas_ != Formulas::automatic) return formulas_ == Formulas::bdf;
     const BarSystem& bar = leg_.system.bar();
     const Bar& material = bar.bar();
-    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.finest();
-    if (bar.has_massless()) return true;
+    const double highest = std::sqrt(12.0 * material.modulus / material.density) / bar.elements().finest();
+    if (bar.inertia().has_massless()) return true;
     if (material.viscosity * highest < 2.0 * material.modulus) return false;
     const Contacts& contacts = leg_.system.contacts();
     double slow_enough = shortness_ * bar.bar().wave_speed() / material.length;
@@ -90,9 +90,9 @@ class CvodeStepper final : public Multistep {
   // The rate at which neighbours die out that move to and fro: 4 eta / (rho h^2) with a lumped mass, three times that
   // with the consistent one, in whose rows these weigh less.
   static double fastest_decay(const BarSystem& bar) {
-    const BandedMatrix& inertia = bar.inertia();
+    const BandedMatrix& inertia = bar.inertia().matrix();
     const std::size_t middle = bar.size() / 2;
-    const double own = inertia.diagonal[middle], h = bar.finest();
+    const double own = inertia.diagonal[middle], h = bar.elements().finest();
     const double beside = middle < inertia.off_diagonal.size() ? 2.0 * inertia.off_diagonal[middle] : 0.0;
     return 4.0 * bar.bar().viscosity / (bar.bar().density * h * h) * (own + beside) / (own - beside);
   }
@@ -131,7 +131,7 @@ class CvodeStepper final : public Multistep {
 
 Statistics integrate(const BarSystem& system, const StartingPoint& start, std::span<const double> times,
                      const Cvode& method, const Observers& observers) {
-  if (system.has_massless() && !system.damped()) throw Unfit("cvode", algebraic_rows("cvode"));
+  if (system.inertia().has_massless() && !system.bar().damped()) throw Unfit("cvode", algebraic_rows("cvode"));
   return run_stepwise("cvode", system, method.penalty, start, times, observers,
                       [&](const StepperParts& parts) { return std::make_unique<CvodeStepper>(parts, method); });
 }

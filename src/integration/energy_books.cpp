@@ -55,7 +55,7 @@ void EnergyBooks::notice(double t) {
   EnergyAccount& energy = *statistics_.energy;
   energy.notice(entry(layout_.dissipated) + entry(layout_.end_inertia) + energy.end_inertia, entry(layout_.work));
   const Bar& bar = system_.bar().bar();
-  if (!system_.bar().moving()) return;
+  if (!system_.bar().frame().moving()) return;
   const Lift rate = system_.load().lift(t, 1);
   energy.largest = std::max({energy.largest, 0.5 * bar.density * bar.length * rate.left * rate.left,
                              0.5 * bar.density * bar.length * rate.right * rate.right});

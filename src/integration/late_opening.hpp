@@ -47,7 +47,7 @@ inline void weigh_opening(const OpeningMotion& motion, std::size_t i, const Open
   const ErrorWeights& weights = stepper.weights();
   const double tolerated =
       (bar.modulus * weights.promised_displacement() + bar.viscosity * weights.promised_velocity()) /
-      system.bar().stretch_at(contact.unknown);
+      system.bar().elements().stretch_beside(contact.unknown);
   // Late by as long as the pull has grown, or by the step over the spring, it changes the node's velocity by pull *
   // lateness / m.
   const double lateness =

@@ -67,7 +67,9 @@ class OdeintStepper final : public PolynomialStepper {
   // mode has: a bar that flies without strain may take long steps.
   bool strained() const {
     const std::vector<double>& a = step_.begin().a;
-    double largest = system_.bar().left_fixed() || system_.bar().right_fixed() || a.size() == 1 ? std::abs(a[0]) : 0.0;
+    double largest = system_.bar().unknowns().left_fixed() || system_.bar().unknowns().right_fixed() || a.size() == 1
+                         ? std::abs(a[0])
+                         : 0.0;
     for (std::size_t i = 0; i + 1 < a.size(); ++i) largest = std::max(largest, std::abs(a[i + 1] - a[i]));
     return largest * stable_ * stable_ > 1e-3 * weights_.displacement_tolerance();
   }

@@ -12,7 +12,7 @@ Statistics integrate(const BarSystem& system, const StartingPoint& start, std::s
   if (radau::takes(system))
     return run_stepwise("rigid", system, rigid, start, times, observers,
                         [&](const StepperParts& parts) { return radau::make_stepper(parts, method.tolerance); });
-  if (system.has_massless() || system.damped())
+  if (system.inertia().has_massless() || system.bar().damped())
     return integrate(system, start, times, Arkode{rigid, method.tolerance}, observers);
   return integrate(system, start, times, Cvode{rigid, method.tolerance}, observers);
 }

@@ -29,8 +29,8 @@ Direction still(const BarSystem& bar, const Scene& of) {
   data.chain = of.chain;
   for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.velocity;
   direction.members.resize(data.chain.size(), Member{.bar = {0.0, 0.0, 0.0, 0.0}});
-  if (bar.left_fixed()) data.left = Fixed{};
-  if (bar.right_fixed()) data.right = Fixed{};
+  if (bar.unknowns().left_fixed()) data.left = Fixed{};
+  if (bar.unknowns().right_fixed()) data.right = Fixed{};
   for (const Contact& contact : bar.contacts()) {
     const Side side = contact.sign > 0.0 ? Side::below : Side::above;
     if (contact.where == Where::left) data.left = Obstacle{0.0, side};
@@ -123,8 +123,8 @@ void Sensitivities::differentiate_by_time(const Moment& at) {
 double Sensitivities::acceleration_of(const Moment& at, std::size_t i) {
   const BarSystem& bar = system_.bar();
   const std::size_t node = contacts_[i].unknown;
-  if (!bar.massless(node)) return contacts_[i].of(acceleration_);
-  if (!bar.damped() && system_.load().varies()) return nothing;
+  if (!bar.inertia().massless(node)) return contacts_[i].of(acceleration_);
+  if (!bar.bar().damped() && system_.load().varies()) return nothing;
   differentiate_by_time(at);
   std::vector<double> rates = acceleration_;
   time_.motion().complete_velocity(at.t, at.w, rates);
@@ -153,7 +153,7 @@ bool Sensitivities::grazes(std::size_t i, double rate) const {
   const std::size_t node = contacts_[i].unknown;
   if (!opens_by_reaction(i))
     return std::abs(rate) <= w || rate * rate <= 2.0 * std::abs(contacts_[i].of(acceleration_)) * u;
-  const double h = bar.stretch_at(node), length = bar.bar().length;
+  const double h = bar.elements().stretch_beside(node), length = bar.bar().length;
   const double reaction = ErrorWeights::inertial_share * (u + bar.bar().viscosity / bar.bar().modulus * w);
   const double speed = bar.bar().wave_speed();
   const double flattest = std::sqrt(2.0 * reaction * h / length * weights_->largest_displacement()) * speed / length;
@@ -276,9 +276,9 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
 // dt*/dp of a break at t, as the contact has it. The obstacle is where it is before and after a kink of its own: there
 // gap_p + gap' dt*/dp does not jump. Every other break is at a time of the scene.
 double Sensitivities::break_rate(std::size_t k, double t, double end, const Contact& contact) const {
-  const double moved = pointers_[k]->data().gap_jump(contact, t, end);
-  if (moved == 0.0 || system_.bar().gap_jump(contact, t, end) != 0.0) return 0.0;
-  const double bend = system_.bar().gap_jump(contact, t, end, 1);
+  const double moved = pointers_[k]->data().frame().gap_jump(contact, t, end);
+  if (moved == 0.0 || system_.bar().frame().gap_jump(contact, t, end) != 0.0) return 0.0;
+  const double bend = system_.bar().frame().gap_jump(contact, t, end, 1);
   return bend == 0.0 ? 0.0 : -moved / bend;
 }
 
@@ -314,12 +314,12 @@ void Sensitivities::shift_to_change(std::size_t k, const Block& s) const {
 
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
   const BarSystem& bar = system_.bar();
-  if (!bar.moving()) return;
+  if (!bar.frame().moving()) return;
   const Contact& contact = contacts_[i];
-  const double acceleration = bar.lift_at(contact, system_.load().lift(t, 2));
+  const double acceleration = bar.frame().lift_at(contact, system_.load().lift(t, 2));
   for (std::size_t k = 0; k < changes.size(); ++k)
     changes[k].velocity +=
-        acceleration * changes[k].time + bar.lift_at(contact, pointers_[k]->motion().load().lift(t, 1));
+        acceleration * changes[k].time + bar.frame().lift_at(contact, pointers_[k]->motion().load().lift(t, 1));
 }
 
 // The impulse of what moves the frame is none of an obstacle.
@@ -338,7 +338,7 @@ void Sensitivities::leave_frame(double t, double after, std::span<double> y) {
   book_momentum(t, y, 1.0);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
     const BarSystem& data = derivative.data();
-    if (!lost()) data.change_frame(data.following(), after, s.u(), s.w());
+    if (!lost()) data.frame().change(data.following().frame(), after, s.u(), s.w());
   });
 }
 
@@ -367,11 +367,11 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
       return lose(t, "the motion of an end has a kink, and a rigid contact that is closed an impact or an end", y);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
-    if (!derivative.data().moving()) continue;
+    if (!derivative.data().frame().moving()) continue;
     derivative.begin_leg(t, end);
     const Block s = layout_->derivative(y, k);
     try {
-      const auto jump = derivative.data().kink(t, end);
+      const auto jump = derivative.data().frame().kink(t, end);
       if (!jump) continue;
       const Moment at = look_at(t, layout_->u(y), layout_->w(y));
       complete(derivative, at, s);
@@ -382,7 +382,7 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
         });
       };
       account(1.0);
-      derivative.data().pass_kink(*jump, s.u(), s.w());
+      derivative.data().frame().pass_kink(*jump, s.u(), s.w());
       account(-1.0);
       if (kinks && !of_bar->displaces()) strike_by_kink(*of_bar, *jump, at, s);
     } catch (const LoadError&) {
@@ -399,14 +399,15 @@ void Sensitivities::strike_by_kink(const FrameJump& of_bar, const FrameJump& mov
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     const std::size_t node = contact.unknown;
-    const double by = bar.lift_at(contact, moved.displacement), faster = bar.lift_at(contact, of_bar.velocity);
+    const double by = bar.frame().lift_at(contact, moved.displacement),
+                 faster = bar.frame().lift_at(contact, of_bar.velocity);
     if (!contacts_.closed(i) || by == 0.0 || faster == 0.0) continue;
     const double clearance = contacts_.clearance(i, at.u), w = contact.of(at.w);
     if (!contacts_[i].massless)
       impulse[node] +=
           (contacts_[i].law.force(clearance, w - faster) - contacts_[i].law.force(clearance, w)) * by / faster;
     else if (contacts_[i].holds)
-      impulse[neighbour(node)] += bar.bar().viscosity / bar.stretch_at(node) * by;
+      impulse[neighbour(node)] += bar.bar().viscosity / bar.elements().stretch_beside(node) * by;
   }
   system_.accelerate(impulse);
   for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += impulse[j];
@@ -426,14 +427,15 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
       std::ranges::fill(field.u, nothing);
       std::ranges::fill(field.v, nothing);
       told_.push_back(
-          {field.u, field.v, nothing, nothing, std::vector<double>(system_.bar().joints().size(), nothing)});
+          {field.u, field.v, nothing, nothing, std::vector<double>(system_.bar().elements().joints().size(), nothing)});
     }
     return told_;
   }
   const BarSystem& bar = system_.bar();
   const Moment at = look_at(t, layout_->u(y), layout_->w(y));
   // Accelerations at all nodes, where an end is fixed.
-  std::vector<double> own(bar.left_fixed() || bar.right_fixed() ? snapshot.u.size() : 0), of_own(own);
+  std::vector<double> own(bar.unknowns().left_fixed() || bar.unknowns().right_fixed() ? snapshot.u.size() : 0),
+      of_own(own);
   if (!own.empty()) system_.expand_acceleration(t, layout_->u(y), w_, own);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
@@ -446,16 +448,16 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
       if (!contacts_.closed(i) || contacts_[i].joint > 0) continue;
       const std::size_t node = contacts_[i].unknown;
       const double reaction = derivative.reaction(i, at, s.u(), s.w());
-      if (!bar.left_fixed() && node == 0) told.reaction_left += reaction;
-      if (!bar.right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;
+      if (!bar.unknowns().left_fixed() && node == 0) told.reaction_left += reaction;
+      if (!bar.unknowns().right_fixed() && node + 1 == s.nodes) told.reaction_right += reaction;
     }
     if (!own.empty()) {
       derivative.motion().expand_acceleration(t, s.u(), s.w(), of_own);
       const auto force = [&](bool right) {
         return derivative.holding_force(right, t, {snapshot.u, snapshot.v, own}, {field.u, field.v, of_own});
       };
-      if (bar.left_fixed()) told.reaction_left = force(false);
-      if (bar.right_fixed()) told.reaction_right = force(true);
+      if (bar.unknowns().left_fixed()) told.reaction_left = force(false);
+      if (bar.unknowns().right_fixed()) told.reaction_right = force(true);
     }
     told_.push_back(told);
   }

@@ -6,6 +6,7 @@
 
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/energy_terms.hpp"
+#include "dynamics/frame_energy.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -17,22 +18,22 @@ class SnapshotBuilder {
   /// Without `interior`, and without reactions, snapshots have the ends alone.
   SnapshotBuilder(PenalisedSystem& system, bool reactions, bool interior = true)
       : system_(system), reactions_(reactions), interior_(interior), u_(system.bar().mesh().nodes()), v_(u_.size()) {
-    if (system.bar().left_fixed() || system.bar().right_fixed()) a_.resize(u_.size());
+    if (system.bar().unknowns().left_fixed() || system.bar().unknowns().right_fixed()) a_.resize(u_.size());
   }
 
   /// The snapshot points to u and w, or to numbers that the next call replaces.
   Snapshot operator()(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     const std::span<const double> origin = system_.contacts().origin().values();
-    if (!interior_ && !bar.moving()) return ends(t, u, w);
+    if (!interior_ && !bar.frame().moving()) return ends(t, u, w);
     std::span<const double> nodal_u = u, nodal_v = w;
-    if (u.size() != u_.size() || !origin.empty() || bar.moving()) {
-      bar.expand_displacement(u, u_);
-      for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.first_node() + i] += origin[i];
-      bar.expand_velocity(w, v_);
-      if (bar.moving()) {
-        bar.add_lift(system_.load().lift(t, 0), u_);
-        bar.add_lift(system_.load().lift(t, 1), v_);
+    if (u.size() != u_.size() || !origin.empty() || bar.frame().moving()) {
+      bar.unknowns().expand_displacement(u, u_);
+      for (std::size_t i = 0; i < origin.size(); ++i) u_[bar.unknowns().first_node() + i] += origin[i];
+      bar.unknowns().expand_velocity(w, v_);
+      if (bar.frame().moving()) {
+        bar.frame().add_lift(system_.load().lift(t, 0), u_);
+        bar.frame().add_lift(system_.load().lift(t, 1), v_);
       }
       nodal_u = u_, nodal_v = v_;
     }
@@ -41,17 +42,17 @@ class SnapshotBuilder {
     const std::array<double, 3> reactions = viscobar::reactions(system_, t, u, w);
     if (!a_.empty()) system_.expand_acceleration(t, u, w, a_);
     const auto reaction = [&](bool right) {
-      if (!bar.wall(right)) return reactions[right];
+      if (!bar.unknowns().wall(right)) return reactions[right];
       return bar.holding_force(right, nodal_u, nodal_v, a_, system_.load().held(right, t));
     };
     snapshot.reaction_left = reaction(false);
     snapshot.reaction_right = reaction(true);
     snapshot.reaction_span = reactions[2];
-    if (bar.joints().empty()) return snapshot;
+    if (bar.elements().joints().empty()) return snapshot;
     joint_forces_.clear();
     const std::vector<double> of_contacts = joint_forces(system_, t, u, w);
     auto contact = of_contacts.begin();
-    for (const JointNodes& joint : bar.joints())
+    for (const JointNodes& joint : bar.elements().joints())
       joint_forces_.push_back(joint.contact ? *contact++
                                             : joint.stiffness * (nodal_u[joint.node - 1] - nodal_u[joint.node]) +
                                                   joint.damping * (nodal_v[joint.node - 1] - nodal_v[joint.node]));
@@ -61,7 +62,7 @@ class SnapshotBuilder {
 
   /// Energy of a snapshot of the unknowns u; work and dissipation are those that the method knows.
   EnergyState energy(const Snapshot& of, std::span<const double> u, EnergyState known = {}) const {
-    const BarEnergy bar = system_.bar().nodal_energy(of.u, of.v);
+    const BarEnergy bar = nodal_energy(system_.bar(), of.u, of.v);
     known.kinetic = bar.kinetic, known.elastic = bar.elastic, known.contact = contact_energy(system_.contacts(), u);
     return known;
   }
@@ -70,9 +71,10 @@ class SnapshotBuilder {
   Snapshot ends(double t, std::span<const double> u, std::span<const double> w) {
     const BarSystem& bar = system_.bar();
     for (const bool right : {false, true}) {
-      const std::size_t i = bar.end(right);
-      (right ? u_.back() : u_.front()) = bar.wall(right) ? *bar.wall(right) : u[i] + system_.contacts().origin().at(i);
-      (right ? v_.back() : v_.front()) = bar.wall(right) ? 0.0 : w[i];
+      const std::size_t i = bar.unknowns().end(right);
+      (right ? u_.back() : u_.front()) =
+          bar.unknowns().wall(right) ? *bar.unknowns().wall(right) : u[i] + system_.contacts().origin().at(i);
+      (right ? v_.back() : v_.front()) = bar.unknowns().wall(right) ? 0.0 : w[i];
     }
     return {t, u_, v_};
   }

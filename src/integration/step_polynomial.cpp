@@ -76,7 +76,7 @@ void StepPolynomial::complete() {
 
 bool StepPolynomial::spoils_acceleration(const PenalisedSystem& system, double length) {
   const Bar& bar = system.bar().bar();
-  const double h = system.bar().finest();
+  const double h = system.bar().elements().finest();
   return 12.0 * bar.viscosity / (bar.density * h * h) * length > 48.0;
 }
 
@@ -91,7 +91,7 @@ void StepPolynomial::forget_acceleration() {
       std::ranges::none_of(relaxations_, [&](const Relaxation& r) { return r.row.rate * h > over; }))
     return;
   forgotten_ = true;
-  for (std::size_t i = system_.bar().massive_begin(); i < system_.bar().massive_end(); ++i)
+  for (std::size_t i = system_.bar().inertia().massive_begin(); i < system_.bar().inertia().massive_end(); ++i)
     begin_.a[i] = end_.a[i] + 12.0 / (h * h) * (increment(i) - 0.5 * h * (begin_.y[n + i] + end_.y[n + i]));
 }
 
@@ -121,7 +121,7 @@ void StepPolynomial::smooth_unresolved() {
 
 // Where a of those nodes becomes 0, a change by c, that of the others changes by x, M_rr x = -M_rc c.
 void StepPolynomial::rest_unresolved(std::span<double> a) {
-  const BandedMatrix& inertia = system_.bar().inertia();
+  const BandedMatrix& inertia = system_.bar().inertia().matrix();
   if (inertia.off_diagonal.empty()) {
     for (const std::size_t i : unresolved_) a[i] = 0.0;
     return;
@@ -288,7 +288,7 @@ void StepPolynomial::add_account(double until, std::span<double> y) {
         const std::size_t n = layout_.nodes;
         const double h = length(), s = (t - begin_.t) / h;
         const Weights second = weights(s, 2);
-        accelerations_.resize(system_.bar().row_values());
+        accelerations_.resize(system_.bar().inertia().row_values());
         const auto at = [&](std::size_t i) { return value(i, s, 2, second); };
         if (accelerations_.size() != n) {
           row_values(n, at, accelerations_);

@@ -28,7 +28,7 @@ StepwisePart::StepwisePart(PenalisedSystem& system, const Layout& layout, LegSte
       search_(system, stepper, layout.size),
       watchdog_(begin, times.back()),
       ends_alone_(!observers.interior && !observers.reactions && !observers.energy && !sensitivities &&
-                  !system.bar().moving()),
+                  !system.bar().frame().moving()),
       snapshot_(system, observers.reactions, !ends_alone_),
       filter_(system.bar()),
       sensitivities_(sensitivities),
@@ -239,12 +239,12 @@ void StepwisePart::begin_ends(double t) {
 
 // A wall or an obstacle changes its velocity at once.
 void StepwisePart::pass_kink(double t) {
-  const auto jump = system_.bar().kink(t, end());
+  const auto jump = system_.bar().frame().kink(t, end());
   if (sensitivities_) sensitivities_->pass_kink(t, end(), jump ? &*jump : nullptr, y_);
   if (!jump) return;
   kink_ = t;
   books_.as_work([&] {
-    system_.bar().pass_kink(*jump, u(), w());
+    system_.bar().frame().pass_kink(*jump, u(), w());
     tie_joints(contacts_, w());
     if (jump->displaces()) changes_.leave_obstacles(t, *jump);
   });
@@ -255,7 +255,7 @@ void StepwisePart::pass_kink(double t) {
 // the energy that it gives them is its work: that of a force which grows there as fast as one likes.
 void StepwisePart::follow_load(double t) {
   const auto complete = [&] { system_.complete_displacement(t, u()); };
-  if (t == load_break_ && system_.bar().has_massless() && !system_.bar().damped())
+  if (t == load_break_ && system_.bar().inertia().has_massless() && !system_.bar().bar().damped())
     books_.as_work(complete);
   else
     complete();

@@ -13,8 +13,8 @@
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"
 #include "run/contact_states.hpp"
+#include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
-#include "run/parts.hpp"
 #include "run/watchdog.hpp"
 
 namespace viscobar {

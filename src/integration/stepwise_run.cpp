@@ -11,7 +11,7 @@
 #include "integration/layout.hpp"
 #include "integration/sensitivities.hpp"
 #include "integration/stepwise_part.hpp"
-#include "run/parts.hpp"
+#include "run/framed_parts.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar {
@@ -37,7 +37,7 @@ PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalt
                     sensitivities ? sensitivities->derivatives() : std::span<Derivative* const>()});
   StepwisePart run(system, layout, *stepper, statistics, times, observers, begin_of(start, times), sensitivities.get());
   const auto conclude = [&] {
-    statistics.unknowns = bar.size() + (bar.massive_end() - bar.massive_begin());
+    statistics.unknowns = bar.size() + (bar.inertia().massive_end() - bar.inertia().massive_begin());
     statistics.load_evaluations = before + system.load().evaluations();
     run.count_seconds();
   };

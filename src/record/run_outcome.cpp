@@ -69,7 +69,7 @@ std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& sys
 std::optional<std::string> touch_warning(const Scene& scene, const BarSystem& system, const Statistics& done) {
   if (!done.account || !done.energy || scene.span) return std::nullopt;  // a span obstacle has closings of its own
   const std::vector<double> ones(system.size(), 1.0);
-  const double momentum = std::sqrt(2.0 * done.energy->largest * system.inertia().quadratic_form(ones));
+  const double momentum = std::sqrt(2.0 * done.energy->largest * system.inertia().matrix().quadratic_form(ones));
   for (const auto& [end, there, words] : {std::tuple{&done.account->left, is_obstacle(scene.left), "left"},
                                           {&done.account->right, is_obstacle(scene.right), "right"}})
     if (there && end->closings == 0 && std::abs(end->impulse) > 0.01 * momentum)

@@ -262,7 +262,7 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
     regime.forecast = forecast(system.bar(), mass, *regime.stop, first->speed);
     return;
   }
-  const double h = system.stretch_at(regime.where == Where::left ? 0 : system.size() - 1);
+  const double h = system.elements().stretch_beside(regime.where == Where::left ? 0 : system.size() - 1);
   regime.impact = predict_impact(system.bar(), h, regime.effective_mass, epsilon, first->speed);
 }
 
@@ -344,9 +344,9 @@ std::string check_json(const SceneCheck& check) {
   json["why"] = {{"method", check.setup.why.method}, {"mass", check.setup.why.mass}};
   if (is_penalised(run.method) && has_penalty(run.scene)) json["why"]["epsilon"] = check.setup.why.epsilon;
   if (is_scheme(run.method)) json["why"]["step"] = check.setup.why.step;
-  json["terms"] = {{"inertia", system.has_massless() ? "massless contact nodes" : "every node"},
+  json["terms"] = {{"inertia", system.inertia().has_massless() ? "massless contact nodes" : "every node"},
                    {"elasticity", true},
-                   {"damping", system.damped()},
+                   {"damping", system.bar().damped()},
                    {"load", load_kind(run.scene)},
                    {"contact", system.contacts().empty() ? Json(nullptr) : Json(contact_kind(check.setup))}};
   if (!run.scene.chain.empty()) json["terms"]["members"] = member_texts(run.scene);

@@ -2,6 +2,7 @@
 
 #include "run/parts.hpp"
 #include "run/stopwatch.hpp"
+#include "viscobar/dynamics/unknowns.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -17,9 +18,9 @@ class Notifier {
     if (observers_.snapshot) timed([&] { observers_.snapshot(now); });
   }
   /// Counts it, too.
-  void event(double t, const BarSystem& system, const Contact& contact, Change change, double velocity,
+  void event(double t, const Unknowns& unknowns, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
-    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system.first_node();
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + unknowns.first_node();
     Event event{t, contact.where, node, change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
     told(event);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -27,15 +26,6 @@ inline void require_times(std::span<const double> times) {
     throw std::invalid_argument("two output times at least, finite and strictly increasing, are needed");
 }
 
-/// True if a node is at an obstacle that moves, or beyond.
-inline bool touches_moving(const BarSystem& system, double t, std::span<const double> u) {
-  return std::ranges::any_of(system.contacts(), [&](const Contact& one) {
-    return system.moves(one) &&
-           one.sign * u[one.unknown] + system.gap(one, t) <=
-               32.0 * std::numeric_limits<double>::epsilon() * (one.gap + std::abs(u[one.unknown]));
-  });
-}
-
 /// A run in parts, `part(start)` being one. Since nothing but the checkpoint passes from one part to the next, a run
 /// that begins from it later cannot differ from this one.
 template <class Part>
@@ -51,30 +41,6 @@ Statistics run_in_parts(const StartingPoint& start, std::span<const double> time
     end = part(next);
   }
   return std::get<Statistics>(std::move(end));
-}
-
-/// The same of a bar, `part(system, start)` being one: the system is the one in the frame that start is in. Where the
-/// bar touches an obstacle that moves from the start on, that is the one that follows it.
-template <class Part>
-Statistics run_in_parts(const BarSystem& system, StartingPoint start, std::span<const double> times,
-                        const Observers& observers, Part&& part) {
-  require_times(times);
-  std::optional<BarSystem> following;
-  if (auto* state = std::get_if<State>(&start); state && touches_moving(system, times.front(), state->u)) {
-    following.emplace(system.following());
-    system.change_frame(*following, times.front(), state->u, state->v);
-  }
-  return run_in_parts(start, times, observers, [&](const StartingPoint& from) {
-    const auto* checkpoint = std::get_if<Checkpoint>(&from);
-    if (checkpoint && checkpoint->frame != Checkpoint::Frame::resting && !following)
-      following.emplace(system.following());
-    return part(following ? *following : system, from);
-  });
-}
-
-/// Frame of the checkpoints of a run in that system.
-inline Checkpoint::Frame frame_of(const BarSystem& system) {
-  return system.follows() ? Checkpoint::Frame::following : Checkpoint::Frame::resting;
 }
 
 /// Why a method that integrates u' = v, v' = M^{-1} F does not take massless contact nodes without viscosity.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "dynamics/frame_energy.hpp"
+
 namespace viscobar {
 
 // v^n of a node that is stored at i.
@@ -14,22 +16,23 @@ auto StepEnergy::velocity() const {
 
 // v^n at all nodes.
 auto StepEnergy::velocity_at_nodes() const {
-  return [this, v = velocity(), n = step_.p().size(), first = system_.first_node()](std::size_t j) {
+  return [this, v = velocity(), n = step_.p().size(), first = system_.unknowns().first_node()](std::size_t j) {
     return j < first || j - first >= n ? 0.0 : v(step_.order().place(j - first));
   };
 }
 
 // The mean of u^{n+1} and u^{n-1}.
 auto StepEnergy::displacement_at_nodes() const {
-  return [this, u = step_.u(), p = step_.p(), a = step_.acceleration(), first = system_.first_node()](std::size_t j) {
-    if (j < first || j - first >= u.size()) return *system_.wall(j > 0);
+  return [this, u = step_.u(), p = step_.p(), a = step_.acceleration(),
+          first = system_.unknowns().first_node()](std::size_t j) {
+    if (j < first || j - first >= u.size()) return *system_.unknowns().wall(j > 0);
     const std::size_t i = step_.order().place(j - first);
     return u[i] - dt_ * (p[i] - dt_ / 2 * a[i]);
   };
 }
 
 auto StepEnergy::acceleration_at_nodes() const {
-  return [&order = step_.order(), a = step_.acceleration(), first = system_.first_node()](std::size_t j) {
+  return [&order = step_.order(), a = step_.acceleration(), first = system_.unknowns().first_node()](std::size_t j) {
     return j < first || j - first >= a.size() ? 0.0 : a[order.place(j - first)];
   };
 }
@@ -38,7 +41,7 @@ StepEnergy::StepEnergy(const BarSystem& system, TimeStep& step, std::span<const 
     : system_(system),
       step_(step),
       bar_(system, step.order()),
-      end_rows_(system.inertia()),
+      end_rows_(system.inertia().matrix()),
       active_(step.active()),
       begin_(times.front()),
       end_(times.back()),
@@ -68,13 +71,13 @@ struct Nodal {
 EnergyState StepEnergy::parts(double t) const {
   const Nodal nodal(step_, dt_);
   Lift now, before, rate;
-  if (system_.moving()) {
-    now = system_.lift(t, 0), before = system_.lift(t - dt_, 0);
+  if (system_.frame().moving()) {
+    now = system_.frame().lift(t, 0), before = system_.frame().lift(t - dt_, 0);
     rate = {(now.left - before.left) / dt_, (now.right - before.right) / dt_};
   }
-  const BarEnergy at_end = system_.lifted_energy(now, rate, nodal.u, nodal.p);
+  const BarEnergy at_end = lifted_energy(system_, now, rate, nodal.u, nodal.p);
   return {.kinetic = at_end.kinetic,
-          .elastic = (at_end.elastic + system_.lifted_energy(before, rate, nodal.u_before, nodal.p).elastic) / 2};
+          .elastic = (at_end.elastic + lifted_energy(system_, before, rate, nodal.u_before, nodal.p).elastic) / 2};
 }
 
 double StepEnergy::energy() const {
@@ -85,14 +88,15 @@ double StepEnergy::energy() const {
 void StepEnergy::account(std::size_t n, EnergyAccount& energy) {
   const auto p = step_.p(), a = step_.acceleration();
   const auto v = velocity();
-  if (system_.damped()) energy.dissipated += dt_ * system_.bar().viscosity * bar_.squared_strain_rate(p, -dt_ / 2, a);
-  if (system_.has_dashpots()) {
+  if (system_.bar().damped())
+    energy.dissipated += dt_ * system_.bar().viscosity * bar_.elements().squared_strain_rate(p, -dt_ / 2, a);
+  if (has_dashpots(system_.supports())) {
     double power = 0.0;
     for (const Support& support : system_.supports())
       power += support.dashpot * v(support.unknown) * v(support.unknown);
     energy.dissipated += dt_ * power;
   }
-  if (system_.moving()) account_frame(n, energy);
+  if (system_.frame().moving()) account_frame(n, energy);
   const double taken = taken_by_contacts(n, energy);
   energy.dissipated += taken;
   if (system_.loaded()) energy.work += dt_ * power(step_.load(), p, -dt_ / 2, a);
@@ -106,12 +110,12 @@ void StepEnergy::account(std::size_t n, EnergyAccount& energy) {
 }
 
 void StepEnergy::account_frame(std::size_t n, EnergyAccount& energy) const {
-  const Lift rate = system_.lift(time(n), 1, dt_);
-  const double loss = dt_ * system_.lift_loss(rate, velocity_at_nodes());
+  const Lift rate = system_.frame().lift(time(n), 1, dt_);
+  const double loss = dt_ * lift_loss(system_, rate, velocity_at_nodes());
   energy.dissipated += loss;
   energy.work += loss;
-  const double power =
-      dt_ * system_.lift_end_power(rate, system_.lift(time(n), 2, dt_), velocity_at_nodes(), acceleration_at_nodes());
+  const double power = dt_ * lift_end_power(system_, rate, system_.frame().lift(time(n), 2, dt_), velocity_at_nodes(),
+                                            acceleration_at_nodes());
   for (double* one : {&energy.end_inertia, &energy.dissipated, &energy.work}) *one += power;
 }
 
@@ -120,10 +124,10 @@ void StepEnergy::account_side(std::size_t n, const SideRows& side, EnergyAccount
   const auto u = displacement_at_nodes();
   double rows = dt_ * side.row_power(v, u);
   if (side.has_drag()) energy.dissipated += dt_ * side.drag_power(v);
-  if (system_.moving()) {
-    const Lift lift = system_.lift(time(n), 0, dt_), rate = system_.lift(time(n), 1, dt_);
-    const double loss = dt_ * system_.side_lift_loss(rate, v),
-                 of_frame = dt_ * system_.side_lift_power(lift, rate, v, u);
+  if (system_.frame().moving()) {
+    const Lift lift = system_.frame().lift(time(n), 0, dt_), rate = system_.frame().lift(time(n), 1, dt_);
+    const double loss = dt_ * side_lift_loss(system_, rate, v),
+                 of_frame = dt_ * side_lift_power(system_, lift, rate, v, u);
     energy.dissipated += loss;
     energy.work += loss + of_frame;
     rows += of_frame;
@@ -141,8 +145,10 @@ double StepEnergy::taken_by_contacts(std::size_t n, EnergyAccount& energy) const
     const std::size_t i = step_.stored_contacts()[k].unknown;
     const double against = contacts[k].joint > 0 ? v(i - 1) : 0.0;
     taken -= impulse * (contacts[k].sign * (v(i) - against));
-    if (impulse != 0.0 && system_.moves(contacts[k]))
-      given -= impulse * (system_.gap(contacts[k], time(n + 1)) - system_.gap(contacts[k], time(n - 1))) / (2.0 * dt_);
+    if (impulse != 0.0 && system_.frame().moves(contacts[k]))
+      given -= impulse *
+               (system_.frame().gap(contacts[k], time(n + 1)) - system_.frame().gap(contacts[k], time(n - 1))) /
+               (2.0 * dt_);
   }
   energy.work += given;
   return taken + given;

@@ -30,7 +30,7 @@ class StepEnergy {
   /// Its two parts, of the bar itself, t being t_n.
   EnergyState parts(double t) const;
   /// Contribution of a frame that moves; 0 otherwise.
-  double of_frame(double t) const { return system_.moving() ? parts(t).total() - energy() : 0.0; }
+  double of_frame(double t) const { return system_.frame().moving() ? parts(t).total() - energy() : 0.0; }
 
   /// After TimeStep::advance() from n on: adds what the step dissipated and the work done.
   void account(std::size_t n, EnergyAccount& energy);

@@ -16,9 +16,9 @@ StepReactions::StepReactions(const BarSystem& system, const TimeStep& step, std:
   const auto& contacts = step.contacts();
   spanned_ = std::ranges::any_of(contacts, [](const Contact& one) { return one.where == Where::span; });
   for (const bool right : {false, true}) {
-    const std::optional<double>& wall = system.wall(right);
-    const std::size_t i = system.end(right);
-    if (!wall || system.moving())
+    const std::optional<double>& wall = system.unknowns().wall(right);
+    const std::size_t i = system.unknowns().end(right);
+    if (!wall || system.frame().moving())
       watched_.push_back({right, wall ? &*wall : &step.u()[i], wall ? nullptr : &step.p()[i]});
     if (wall) continue;
     const auto found = std::ranges::equal_range(contacts, i, {}, &Contact::unknown);
@@ -32,10 +32,10 @@ StepReactions::StepReactions(const BarSystem& system, const TimeStep& step, std:
 void StepReactions::begin(const State& start, RunAccount& account) const {
   for (const bool right : {false, true}) {
     EndAccount& end = of(right, account);
-    const std::size_t i = system_.end(right);
-    end.displacement = system_.wall(right)   ? *system_.wall(right)
-                       : system_.massless(i) ? step_.u()[i] - dt_ * step_.p()[i]
-                                             : start.u[i];
+    const std::size_t i = system_.unknowns().end(right);
+    end.displacement = system_.unknowns().wall(right)  ? *system_.unknowns().wall(right)
+                       : system_.inertia().massless(i) ? step_.u()[i] - dt_ * step_.p()[i]
+                                                       : start.u[i];
     end.lowest = end.highest = end.displacement;
     each_contact_at(right, [&](std::size_t k) {
       end.impulse += sign(k) * step_.start_impulse()[k];
@@ -63,7 +63,7 @@ void StepReactions::pass(std::size_t n, RunAccount& account) const {
     EndAccount& end = of(watched.right, account);
     double displacement = *watched.u;
     if (theta < 1.0 && watched.p) displacement -= (1.0 - theta) * dt_ * *watched.p;
-    if (system_.moving()) displacement += system_.lift(until, 0).of(watched.right);
+    if (system_.frame().moving()) displacement += system_.frame().lift(until, 0).of(watched.right);
     end.displacement = displacement;
     if (displacement < end.lowest) end.lowest = displacement;
     if (displacement > end.highest) end.highest = displacement;

@@ -36,8 +36,8 @@ class ColumnReader {
   ColumnReader(TraceColumn column, double place, const BarSystem& system, const Scene& scene) : column_(column) {
     if (is_of_gauge(column)) gauge_.emplace(system.mesh(), scene, place);
     if (!is_of_joint(column)) return;
-    while (static_cast<double>(system.joints()[joint_].number) != place) ++joint_;
-    node_ = system.joints()[joint_].node;
+    while (static_cast<double>(system.elements().joints()[joint_].number) != place) ++joint_;
+    node_ = system.elements().joints()[joint_].node;
   }
 
   template <class Fields>

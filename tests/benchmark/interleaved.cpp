@@ -2,6 +2,7 @@
 
 #include "benchmark/baselines.hpp"
 #include "benchmark/odeint.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::baseline {
 
@@ -13,8 +14,9 @@ Interleaved::Interleaved(const Problem& problem)
       penalty_(1.0 / problem.epsilon),
       gap_(problem.system.contacts().front().gap),
       load_(nodes_, 0.0) {
-  if (!problem.system.inertia().off_diagonal.empty()) throw std::invalid_argument("baselines need the lumped mass");
-  for (const double mass : problem.system.inertia().diagonal) inverse_mass_.push_back(1.0 / mass);
+  if (!problem.system.inertia().matrix().off_diagonal.empty())
+    throw std::invalid_argument("baselines need the lumped mass");
+  for (const double mass : problem.system.inertia().matrix().diagonal) inverse_mass_.push_back(1.0 / mass);
   if (problem.system.loaded()) {
     LoadVector load(problem.system);
     const auto values = load.at(0.0);

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "benchmark/baselines.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::baseline {
 

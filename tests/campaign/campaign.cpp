@@ -51,11 +51,11 @@ Run run_of(const Case& run) {
 std::string phantom_of(const Case& run, const Run& result) {
   const Setup setup = resolve(run);
   const BarSystem system = setup.system();
-  const std::vector<double> masses = system.effective_masses();
+  const std::vector<double> masses = system.inertia().effective_masses();
   const double unknown = 100.0 * (run.tolerance.relative * result.fastest + absolute_tolerance(run));
   std::string all;
   for (const Contact& contact : system.contacts()) {
-    const std::size_t node = contact.unknown + system.first_node();
+    const std::size_t node = contact.unknown + system.unknowns().first_node();
     const double du = std::numeric_limits<double>::epsilon() * result.largest;
     const double mass = masses[contact.unknown];
     const bool spring = is_penalised(run.method) && mass > 0.0;
@@ -66,7 +66,7 @@ std::string phantom_of(const Case& run, const Run& result) {
       const bool closing = event.change == Change::closing;
       const double away = contact.sign * event.velocity;
       if (closing == closed.has_value()) all += fmt::format("out of turn at {}; ", event.time);
-      const bool moves = !system.massless(contact.unknown) || system.damped();
+      const bool moves = !system.inertia().massless(contact.unknown) || system.bar().damped();
       if (moves && (closing ? away > rounding : away < -unknown))
         all += fmt::format("{} at {} with {}; ", closing ? "closes" : "opens", event.time, event.velocity);
       if (!closing && closed && !(event.time > *closed)) all += fmt::format("no length at {}; ", event.time);

@@ -184,7 +184,7 @@ TEST(ChainJudge, JudgesColumnsOfEndsGaugesAndJoints) {
   study.request.relative = true;
   study.most_seconds = 20.0;
   const viscobar::Setup setup = resolve(run);
-  const std::size_t node = setup.system().joints().at(0).node;
+  const std::size_t node = setup.system().elements().joints().at(0).node;
   TheirSolution one;
   one.label = "coarse", one.times = theirs.times;
   const auto column = [&](const std::string& name, std::size_t j) {

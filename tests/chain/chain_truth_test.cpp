@@ -21,7 +21,7 @@ namespace {
 std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
   BandedMatrix stiffness;
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
-  const MatrixXd quotient = dense(system.inertia()).partialPivLu().solve(dense(stiffness));
+  const MatrixXd quotient = dense(system.inertia().matrix()).partialPivLu().solve(dense(stiffness));
   const Eigen::EigenSolver<MatrixXd> modes(quotient, false);
   std::vector<double> found;
   double imaginary = 0.0;
@@ -463,7 +463,8 @@ TEST(ContactJoint, OfRigidBodiesHasItsRestitution) {
     EXPECT_NEAR(v[1] - v[0], 0.5, 1e-9) << left << right;
     const BarSystem system = setup_of(scene("kind = \"bonded\"", "cvode")).system();
     const double other = right + 0.125;  // half an element of the bar is on it
-    EXPECT_NEAR(system.contact_mass(system.contacts()[0]), left * other / (left + other), 1e-12) << left << right;
+    EXPECT_NEAR(system.inertia().contact_mass(system.contacts()[0]), left * other / (left + other), 1e-12)
+        << left << right;
   }
 }
 
@@ -477,7 +478,7 @@ TEST(Bonded, ARigidBodyKeepsItsMomentum) {
       const BarSystem system = setup.system();
       const std::vector<double> v = system.initial_state().v;
       std::vector<double> momentum(v.size());
-      system.inertia().multiply(v, momentum);
+      system.inertia().matrix().multiply(v, momentum);
       double sum = 0.0;
       for (const double part : momentum) sum += part;
       EXPECT_NEAR(sum, 1.0, 1e-12) << mass << right;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::testing_data_in_x {
@@ -26,7 +27,7 @@ Case scene_with(const std::string& data, Mass mass, int elements) {
 
 double momentum(const BarSystem& system) {
   std::vector<double> product(system.size());
-  system.inertia().multiply(system.initial_state().v, product);
+  system.inertia().matrix().multiply(system.initial_state().v, product);
   return std::accumulate(product.begin(), product.end(), 0.0);
 }
 

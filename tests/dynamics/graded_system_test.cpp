@@ -36,7 +36,7 @@ struct Fields {
 Fields fields(const BarSystem& system) {
   Fields fields;
   for (std::size_t i = 0; i < system.size(); ++i) {
-    const double x = system.mesh().node(i + system.first_node());
+    const double x = system.mesh().node(i + system.unknowns().first_node());
     fields.u.push_back(0.3 + std::sin(3 * x));
     fields.w.push_back(std::cos(5 * x));
   }
@@ -68,11 +68,11 @@ TEST_P(GradedSystem, TendsToTheUniformOneAsTheRatioTendsToOne) {
   for (std::size_t i = 0; i < n; ++i) {
     EXPECT_NEAR(force[i], expected[i], rounding) << i;
     EXPECT_NEAR(matrix.diagonal[i], other.diagonal[i], rounding) << i;
-    EXPECT_NEAR(graded.stiffness_diagonal(i), uniform.stiffness_diagonal(i), rounding) << i;
+    EXPECT_NEAR(graded.elements().stiffness_diagonal(i), uniform.elements().stiffness_diagonal(i), rounding) << i;
   }
   for (std::size_t i = 0; i + 1 < n; ++i) EXPECT_NEAR(matrix.off_diagonal[i], other.off_diagonal[i], rounding) << i;
   EXPECT_NEAR(graded.energy(u, w), uniform.energy(u, w), rounding * 10);
-  EXPECT_NEAR(graded.squared_strain_rate(w), uniform.squared_strain_rate(w), rounding * 10);
+  EXPECT_NEAR(graded.elements().squared_strain_rate(w), uniform.elements().squared_strain_rate(w), rounding * 10);
 }
 
 TEST_P(GradedSystem, ForcesAreThoseOfItsStiffnessAndItsEnergy) {
@@ -88,13 +88,14 @@ TEST_P(GradedSystem, ForcesAreThoseOfItsStiffnessAndItsEnergy) {
   K.multiply(u, Ku);
   system.dynamic_stiffness(0.0, 1.0, 0.0, K);
   std::vector<double> Cw(n, 0.0);
-  if (system.damped()) K.multiply(w, Cw);
+  if (system.bar().damped()) K.multiply(w, Cw);
   const double largest = 5.0 / system.mesh().smallest();
   for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(force[i] - at_rest[i], -5.0 * Ku[i] - Cw[i], 20 * eps * largest) << i;
   // dE/du along w, by a difference that is exact for a quadratic.
   std::vector<double> ahead = u, behind = u;
   for (std::size_t i = 0; i < n; ++i) ahead[i] += w[i], behind[i] -= w[i];
-  const double rise = 0.5 * 5.0 * (system.squared_strain(ahead) - system.squared_strain(behind)) / 2;
+  const double rise =
+      0.5 * 5.0 * (system.elements().squared_strain(ahead) - system.elements().squared_strain(behind)) / 2;
   system.internal_force(u, still, force);
   double work = 0.0;
   for (std::size_t i = 0; i < n; ++i) work -= force[i] * w[i];

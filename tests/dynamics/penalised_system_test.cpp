@@ -42,7 +42,7 @@ TEST(PenalisedSystem, DynamicStiffnessIsTheDerivativeOfTheForce) {
       BandedMatrix matrix;
       system.dynamic_stiffness(m, c, k, matrix);
       matrix.multiply(x, product);
-      bar.inertia().multiply(x, inertia);
+      bar.inertia().matrix().multiply(x, inertia);
       for (std::size_t i = 0; i < n; ++i)
         EXPECT_NEAR(product[i], m * inertia[i] - (after[i] - before[i]), 100 * 2.3e-16 * 200.0)
             << name(mass) << ", row " << i;

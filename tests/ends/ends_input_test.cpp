@@ -97,7 +97,7 @@ TEST(EndKeys, ThatAreAbsentLeaveNothingInTheSystem) {
   const BarSystem system =
       resolve(parse_scene(scene("[left]\nkind = \"free\"\nforce = 0\nstiffness = 0"), "").run).system();
   EXPECT_FALSE(system.loaded());
-  EXPECT_FALSE(system.moving());
+  EXPECT_FALSE(system.frame().moving());
   EXPECT_TRUE(system.supports().empty());
 }
 

@@ -203,7 +203,7 @@ TEST(Ensemble, OfBarsInLineTellsWhatARunTells) {
     const Case run = made.run(made.of(i));
     const Recording truth = record(run);
     const BarSystem system = resolve(run).system();
-    const JointNodes joint = system.joints().front();
+    const JointNodes joint = system.elements().joints().front();
     const Gauge gauge(system.mesh(), run.scene, 1.0);
     const std::size_t times = truth.times.size();
     ASSERT_EQ(found.outputs[0].width(), times);

@@ -39,7 +39,8 @@ double deepest(const Trial& trial) {
   double deepest = 0.0;
   for (std::size_t k = 0; k < trial.result.times.size(); ++k)
     for (const Contact& contact : system.contacts())
-      deepest = std::max(deepest, -(trial.result.displacement(k)[contact.unknown + system.first_node()] + contact.gap));
+      deepest = std::max(
+          deepest, -(trial.result.displacement(k)[contact.unknown + system.unknowns().first_node()] + contact.gap));
   return deepest;
 }
 

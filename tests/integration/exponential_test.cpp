@@ -11,6 +11,7 @@
 #include "support/maximum_norm.hpp"
 #include "support/modal_solution.hpp"
 #include "support/paper_throw.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::testing_exponential {
 namespace {
@@ -49,7 +50,7 @@ TEST(Exponential, FollowsEveryModeOfEveryBarWithoutContact) {
           ModalSolution::Vector rest = ModalSolution::Vector::Zero(n), load = rest;
           const long double a = scene.displacement(0.0), b = scene.displacement(1.3);
           for (Eigen::Index i = 0; i < n; ++i) {
-            const long double x = mesh.node(static_cast<std::size_t>(i) + system.first_node()) / 1.3L;
+            const long double x = mesh.node(static_cast<std::size_t>(i) + system.unknowns().first_node()) / 1.3L;
             if (is_fixed(left))
               rest[i] = is_fixed(right) ? a + (b - a) * x : a;
             else if (is_fixed(right))
@@ -66,7 +67,8 @@ TEST(Exponential, FollowsEveryModeOfEveryBarWithoutContact) {
           for (std::size_t k = 0; k < run.times.size(); ++k) {
             const auto expected = exact.displacement(run.times[k]);
             for (Eigen::Index i = 0; i < n; ++i)
-              ASSERT_NEAR(run.u[k][static_cast<std::size_t>(i) + system.first_node()], static_cast<double>(expected[i]),
+              ASSERT_NEAR(run.u[k][static_cast<std::size_t>(i) + system.unknowns().first_node()],
+                          static_cast<double>(expected[i]),
                           6 * accuracy)  // free bars fly to u = 6
                   << name(mass) << ", viscosity " << viscosity << ", load " << loaded << ", t = " << run.times[k];
           }

@@ -74,7 +74,7 @@ TEST_P(RigidByViscosity, TheImpulseOfTheReactionsIsTheGainOfMomentum) {
   const RunTrace trace = run(scene, 27, uniform_times(every, intervals));
   const auto momentum = [&](const std::vector<double>& v) {
     std::vector<double> inertia(v.size());
-    system.inertia().multiply(v, inertia);
+    system.inertia().matrix().multiply(v, inertia);
     return std::accumulate(inertia.begin(), inertia.end(), 0.0);
   };
   double impulse = 0.0, strongest = 0.0;

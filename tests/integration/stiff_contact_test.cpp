@@ -67,7 +67,7 @@ Case pressed(double epsilon, Mass mass, MethodName method) {
 TEST_P(StiffContact, AMassiveContactThatComesToRestIsFollowedOnlyWhileItsOscillationIsLargerThanTheTolerance) {
   for (const double epsilon : {1e-8, 1e-10, 1e-12}) {
     const Case run = pressed(epsilon, Mass::consistent, GetParam());
-    const double mass = resolve(run).system().inertia().diagonal[0];
+    const double mass = resolve(run).system().inertia().matrix().diagonal[0];
     const double periods = run.end / (2.0 * std::numbers::pi * std::sqrt(epsilon * mass));
     EXPECT_LT(static_cast<double>(record(run).statistics.steps), 12.0 * periods / 5.0) << epsilon;
   }

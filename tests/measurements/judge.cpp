@@ -30,10 +30,10 @@ class Simulation {
     Matrix inertia(n_, Vector(n_, 0));
     inverse_ = inertia;
     for (std::size_t i = 0; i < n_; ++i) {
-      inertia[i][i] = bar_.inertia().diagonal[i];
+      inertia[i][i] = bar_.inertia().matrix().diagonal[i];
       inverse_[i][i] = 1;
-      if (i + 1 < n_ && !bar_.inertia().off_diagonal.empty())
-        inertia[i][i + 1] = inertia[i + 1][i] = bar_.inertia().off_diagonal[i];
+      if (i + 1 < n_ && !bar_.inertia().matrix().off_diagonal.empty())
+        inertia[i][i + 1] = inertia[i + 1][i] = bar_.inertia().matrix().off_diagonal[i];
     }
     for (std::size_t p = 0; p < n_; ++p) {
       const Real pivot = inertia[p][p];
@@ -46,7 +46,7 @@ class Simulation {
       }
     }
     for (const Contact& contact : bar_.contacts())
-      laws_.push_back(penalty_law(law, contact.weight, bar_.contact_mass(contact)));
+      laws_.push_back(penalty_law(law, contact.weight, bar_.inertia().contact_mass(contact)));
     load_.assign(n_, 0);
     PenalisedSystem loaded(bar_, law);
     for (std::size_t i = 0; i < n_; ++i) load_[i] = loaded.load().at(i, 0.0);  // steady

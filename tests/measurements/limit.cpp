@@ -54,7 +54,7 @@ struct CutOff {
 EndTraces run_cut_off(const Case& run, const CutOff& law, double step, std::vector<double>& times) {
   const BarSystem system = resolve(run).system();
   const std::size_t n = system.size();
-  const double mass = system.effective_masses().front(), stiffness = 1.0 / *run.epsilon;
+  const double mass = system.inertia().effective_masses().front(), stiffness = 1.0 / *run.epsilon;
   const double damping = 2.0 * law.ratio * std::sqrt(stiffness * mass), gap = 0.1;
   State state = system.initial_state();
   std::vector<double> a(n), u(n), v(n), du(n), dv(n);
@@ -64,7 +64,7 @@ EndTraces run_cut_off(const Case& run, const CutOff& law, double step, std::vect
       const double d = -(at[i] + gap);
       if (d > 0.0) a[i] += std::max(0.0, stiffness * d - damping * rate[i]);
     }
-    system.accelerate(a);
+    system.inertia().accelerate(a);
   };
   EndTraces traces;
   times.clear();

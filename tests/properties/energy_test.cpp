@@ -7,7 +7,9 @@ namespace {
 
 // Energy of the k-th snapshot: the bar's, and that of the springs of a penalty.
 double energy(const Case& run, const BarSystem& system, const Recording& recording, std::size_t k) {
-  const auto part = [&](std::span<const double> nodal) { return nodal.subspan(system.first_node(), system.size()); };
+  const auto part = [&](std::span<const double> nodal) {
+    return nodal.subspan(system.unknowns().first_node(), system.size());
+  };
   const auto u = part(recording.displacement(k)), v = part(recording.velocity(k));
   double sum = system.energy(u, v);
   if (!is_penalised(run.method)) return sum;

@@ -144,7 +144,7 @@ TEST(EnergyColumns, DissipatedIsTheIntegralOfTheViscousPower) {
   Observers observers;
   observers.energy = true;
   observers.snapshot = [&](const Snapshot& now) {
-    power.push_back(run.scene.bar.viscosity * system.squared_strain_rate(now.v));
+    power.push_back(run.scene.bar.viscosity * system.elements().squared_strain_rate(now.v));
     dissipated.push_back(now.energy->dissipated);
   };
   simulate(resolve(run), system, observers);

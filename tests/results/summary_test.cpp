@@ -82,7 +82,7 @@ TEST(Summary, TheImpulseOfTheReactionIsTheGainOfMomentum) {
   Observers last;
   last.snapshot = [&](const Snapshot& at) {
     std::vector<double> weighted(system.size());
-    system.inertia().multiply(at.v, weighted);
+    system.inertia().matrix().multiply(at.v, weighted);
     momentum = std::accumulate(weighted.begin(), weighted.end(), 0.0);
   };
   simulate(resolve(scene.run), system, last);

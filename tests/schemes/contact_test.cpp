@@ -127,7 +127,7 @@ TEST(FullyDiscreteContact, TheReactionsImpulseIsTheChangeOfMomentum) {
     const auto run = run_steps(system, dt, 6.0);
     const auto momentum = [&](const std::vector<double>& v) {
       std::vector<double> product(v.size());
-      system.inertia().multiply(v, product);
+      system.inertia().matrix().multiply(v, product);
       return std::accumulate(product.begin(), product.end(), 0.0);
     };
     const double impulse = dt * std::accumulate(run.reaction_left.begin(), run.reaction_left.end(), 0.0);

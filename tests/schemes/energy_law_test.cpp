@@ -103,7 +103,7 @@ TEST(FullyDiscrete, ObeysTheDiscreteEnergyLawAtEveryStepForEveryStepSize) {
           }
           if (system.loaded()) work = dt * std::inner_product(v.begin(), v.end(), step.load().begin(), 0.0);
           const double law = taken(step, impact, dt, restitution);
-          const double viscous = dt * system.bar().viscosity * system.squared_strain_rate(v);
+          const double viscous = dt * system.bar().viscosity * system.elements().squared_strain_rate(v);
           step.advance();
           const double ends = system.has_end_rows() ? dt * energy.end_power() : 0.0;
           const double after = energy.energy();

@@ -15,6 +15,7 @@
 #include "support/random_vector.hpp"
 #include "support/run_trace.hpp"
 #include "viscobar/case/case.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 #include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::testing_lanes {

@@ -112,7 +112,7 @@ std::pair<std::vector<double>, double> frequencies(const Scene& scene, const Mes
   const BarSystem system(scene, mesh, mass);
   BandedMatrix stiffness;
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
-  const MatrixXd matrix = dense(system.inertia()).inverse() * dense(stiffness);
+  const MatrixXd matrix = dense(system.inertia().matrix()).inverse() * dense(stiffness);
   const auto values = matrix.eigenvalues();
   std::vector<double> found;
   double imaginary = 0.0;

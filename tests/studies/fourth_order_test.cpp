@@ -120,7 +120,7 @@ TEST(FourthOrderMass, ReboundsWithTheContactTimeAndSpeedOfTheContinuousBar) {
       observers.event = [&](const Event& event) { opening = event.time; };
       observers.snapshot = [&](const Snapshot& now) {
         std::vector<double> product(system.size());
-        system.inertia().multiply(now.v, product);
+        system.inertia().matrix().multiply(now.v, product);
         momentum = 0.0;
         for (const double entry : product) momentum += entry;
       };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -34,8 +35,8 @@ class FineStepOracle {
   FineStepOracle(const BarSystem& system, const Penalty& penalty, Real step)
       : system_(system),
         n_(static_cast<Eigen::Index>(system.size())),
-        begin_(static_cast<Eigen::Index>(system.massive_begin())),
-        end_(static_cast<Eigen::Index>(system.massive_end())),
+        begin_(static_cast<Eigen::Index>(system.inertia().massive_begin())),
+        end_(static_cast<Eigen::Index>(system.inertia().massive_end())),
         stiffness_(Real(system.bar().modulus) / system.mesh().spacing()),
         damping_(Real(system.bar().viscosity) / system.mesh().spacing()),
         step_(step),
@@ -43,14 +44,14 @@ class FineStepOracle {
         v(Eigen::Map<const Eigen::VectorXd>(system.initial_state().v.data(), n_).cast<Real>()) {
     Matrix inertia = Matrix::Zero(n_, n_);
     for (Eigen::Index i = 0; i < n_; ++i) {
-      inertia(i, i) = system.inertia().diagonal[i];
-      if (i + 1 < n_ && !system.inertia().off_diagonal.empty())
-        inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().off_diagonal[i];
+      inertia(i, i) = system.inertia().matrix().diagonal[i];
+      if (i + 1 < n_ && !system.inertia().matrix().off_diagonal.empty())
+        inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().matrix().off_diagonal[i];
     }
     const Eigen::Index massive = end_ - begin_;
     inverse_ = Matrix(inertia.block(begin_, begin_, massive, massive)).inverse();
     for (const Contact& contact : system.contacts())
-      laws_.push_back(penalty_law(penalty, contact.weight, system.contact_mass(contact)));
+      laws_.push_back(penalty_law(penalty, contact.weight, system.inertia().contact_mass(contact)));
     closed_.assign(laws_.size(), false);
     if (system.loaded()) load_.emplace(system);
     complete(u, v);

@@ -23,17 +23,17 @@ class ModalSolution {
     const auto n = static_cast<Eigen::Index>(system.size());
     Matrix inertia = Matrix::Zero(n, n), stiffness = Matrix::Zero(n, n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      inertia(i, i) = system.inertia().diagonal[i];
-      stiffness(i, i) = system.stiffness_diagonal(static_cast<std::size_t>(i));
+      inertia(i, i) = system.inertia().matrix().diagonal[i];
+      stiffness(i, i) = system.elements().stiffness_diagonal(static_cast<std::size_t>(i));
       if (i + 1 == n) break;
-      if (!system.inertia().off_diagonal.empty())
-        inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().off_diagonal[i];
+      if (!system.inertia().matrix().off_diagonal.empty())
+        inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().matrix().off_diagonal[i];
       stiffness(i, i + 1) = stiffness(i + 1, i) = -1 / Real(system.mesh().spacing());
     }
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(stiffness, inertia);
     modes_ = solver.eigenvectors();
     mu_ = solver.eigenvalues();
-    if (!system.left_fixed() && !system.right_fixed()) mu_[0] = 0;  // exactly, in a rigid motion
+    if (!system.unknowns().left_fixed() && !system.unknowns().right_fixed()) mu_[0] = 0;  // exactly, in a rigid motion
     const State start = system.initial_state();
     const Matrix projection = modes_.transpose() * inertia;
     q_ = projection * (Eigen::Map<const Eigen::VectorXd>(start.u.data(), n).cast<Real>() - rest);

@@ -119,7 +119,7 @@ TEST(Account, TheImpulseIsWhatTheBarsMomentumGainsByEveryMethod) {
     const BarSystem system = resolve(scene.run).system();
     std::vector<double> weighted(system.size());
     const auto momentum = [&](std::span<const double> v) {
-      system.inertia().multiply(v, weighted);
+      system.inertia().matrix().multiply(v, weighted);
       return std::accumulate(weighted.begin(), weighted.end(), 0.0);
     };
     // The node that begins on the obstacle has met it in what is told of t = 0.
@@ -168,7 +168,7 @@ step = 1e-3
       const BarSystem system = resolve(run).system();
       std::vector<double> weighted(system.size());
       const auto momentum = [&](std::span<const double> v) {
-        system.inertia().multiply(v, weighted);
+        system.inertia().matrix().multiply(v, weighted);
         return std::accumulate(weighted.begin(), weighted.end(), 0.0);
       };
       // A start of first order leaves half a step of the load out.

@@ -14,8 +14,10 @@
 #include <variant>
 #include <vector>
 
-#include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/contact.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
+#include "viscobar/dynamics/state.hpp"
+#include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 
@@ -46,7 +48,7 @@ struct Snapshot {
   double reaction_left = 0.0;
   double reaction_right = 0.0;  ///< the same at the right end
   double reaction_span = 0.0;   ///< of a span obstacle on all of its nodes
-  /// N of each of BarSystem::joints(), which pushes its sides apart; valid during the call.
+  /// N of each of Elements::joints(), which pushes its sides apart; valid during the call.
   std::span<const double> joint_forces{};
   /// An entry for each direction that was asked for, valid during the call.
   std::span<const FieldSensitivity> sensitivities{};

@@ -21,6 +21,7 @@ struct Bar {
   double modulus = 1.0;    ///< E > 0
   double viscosity = 0.0;  ///< eta >= 0; zero means that no damping term is built
 
+  bool damped() const { return viscosity > 0.0; }                     ///< true if it has any
   double wave_speed() const { return std::sqrt(modulus / density); }  ///< c
   double slowness() const { return std::sqrt(density / modulus); }    ///< 1 / c
   double impedance() const { return std::sqrt(density * modulus); }   ///< rho c

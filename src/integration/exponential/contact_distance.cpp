@@ -107,8 +107,9 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
     const MatrixXd load = load_.total(p);
     const Index shared = std::min(load.cols(), result.size());
     if (shared > 0)
-      result.head(shared) += load.row(node(c)).head(shared).transpose() *
-                             (system_.stretch_at(penalised_.contacts()[c].unknown) / system_.bar().modulus);
+      result.head(shared) +=
+          load.row(node(c)).head(shared).transpose() *
+          (system_.elements().stretch_beside(penalised_.contacts()[c].unknown) / system_.bar().modulus);
   } else {
     result = series.row(node(c)).transpose();
     if (penalised_.contacts()[c].joint > 0) result -= series.row(node(c) - 1).transpose();
@@ -128,10 +129,10 @@ double ContactDistance::band(std::size_t c, const Largest& largest) const {
 // spring make of a displacement extrapolated by it over a step. A maximum good to more digits would take steps as short
 // as the node's relaxation.
 double ContactDistance::slope_noise(std::size_t c, double tau, const Largest& largest) const {
-  if (!system_.damped() || !massless(c)) return 0.0;
+  if (!system_.bar().damped() || !massless(c)) return 0.0;
   const Bar& bar = system_.bar();
   const double spring = penalised_.contacts()[c].law.linear().stiffness *
-                        system_.stretch_at(penalised_.contacts()[c].unknown) * largest.penetration;
+                        system_.elements().stretch_beside(penalised_.contacts()[c].unknown) * largest.penetration;
   return 8.0 * rounding * (largest.displacement * bar.modulus + spring) / bar.viscosity * tau;
 }
 
@@ -167,7 +168,7 @@ bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motio
   const Contact& contact = penalised_.contacts()[c];
   const double nearest = SampledRange(values, slopes).lowest() - contact.gap;
   return !may_reach_within(
-      whole, [&](double at) { return nearest + system_.gap(contact, at); }, breaks_of_gap(system_, contact),
+      whole, [&](double at) { return nearest + system_.frame().gap(contact, at); }, breaks_of_gap(system_, contact),
       band(c, largest), t, t + tau);
 }
 
@@ -205,9 +206,10 @@ bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& moti
 double ContactDistance::cancelled_power(double penetration) const {
   double power = 0.0;
   for (std::size_t c = 0; c < penalised_.contacts().size(); ++c) {
-    if (!system_.damped() || !massless(c) || !penalised_.contacts().closed(c)) continue;
+    if (!system_.bar().damped() || !massless(c) || !penalised_.contacts().closed(c)) continue;
     const double force = penalised_.contacts()[c].law.linear().stiffness * penetration;
-    power += force * force * system_.stretch_at(penalised_.contacts()[c].unknown) / system_.bar().viscosity;
+    power +=
+        force * force * system_.elements().stretch_beside(penalised_.contacts()[c].unknown) / system_.bar().viscosity;
   }
   return power;
 }

@@ -65,7 +65,7 @@ class ContactDistance {
 
   Index node(std::size_t c) const { return static_cast<Index>(penalised_.contacts()[c].unknown); }
   /// True if the node of contact c has no displacement of its own.
-  bool follows(std::size_t c) const { return !system_.damped() && massless(c); }
+  bool follows(std::size_t c) const { return !system_.bar().damped() && massless(c); }
 
   /// d's Taylor coefficients over a step.
   Eigen::VectorXd along(std::size_t c, const Series& series, const LoadPolynomial& p) const;
@@ -105,7 +105,7 @@ class ContactDistance {
   double cancelled_power(double penetration) const;
 
  private:
-  bool massless(std::size_t c) const { return system_.massless(penalised_.contacts()[c].unknown); }
+  bool massless(std::size_t c) const { return system_.inertia().massless(penalised_.contacts()[c].unknown); }
   struct Samples {
     std::array<double, 5> values;
     std::array<double, 3> slopes;

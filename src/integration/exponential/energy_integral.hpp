@@ -4,6 +4,7 @@
 #include <functional>
 #include <span>
 
+#include "dynamics/frame_energy.hpp"
 #include "integration/exponential/linear_leg.hpp"
 
 namespace viscobar::exponential {
@@ -21,7 +22,7 @@ struct EnergyFlow {
   }
 };
 
-/// Contributions to power and loss at a part of a step, of a frame that moves (see BarSystem::lift_loss) and of the
+/// Contributions to power and loss at a part of a step, of a frame that moves (see lift_loss) and of the
 /// rows of a side that resists; empty where there is neither.
 using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& u, const Eigen::VectorXd& v,
                                            const Eigen::VectorXd& a)>;

@@ -6,33 +6,34 @@ template <class Real>
 LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origin, std::span<const double> steady_load,
                            std::vector<ClosedContact> closed)
     : n_(static_cast<Index>(system.size())),
-      massive_begin_(static_cast<Index>(system.massive_begin())),
-      massive_end_(static_cast<Index>(system.massive_end())),
-      left_fixed_(system.left_fixed()),
-      right_fixed_(system.right_fixed()),
-      damped_(system.damped()),
-      uniform_(system.rows_alike()),
+      massive_begin_(static_cast<Index>(system.inertia().massive_begin())),
+      massive_end_(static_cast<Index>(system.inertia().massive_end())),
+      left_fixed_(system.unknowns().left_fixed()),
+      right_fixed_(system.unknowns().right_fixed()),
+      damped_(system.bar().damped()),
+      uniform_(system.elements().rows_alike()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)),
       side_(system.side()),
-      first_node_(static_cast<Index>(system.first_node())) {
-  moving_begin_ = system.damped() ? 0 : massive_begin_;
-  moving_ = system.damped() ? n_ : massive_end_ - massive_begin_;
+      first_node_(static_cast<Index>(system.unknowns().first_node())) {
+  moving_begin_ = system.bar().damped() ? 0 : massive_begin_;
+  moving_ = system.bar().damped() ? n_ : massive_end_ - massive_begin_;
 
   const std::size_t elements = system.mesh().elements;
-  for (std::size_t node = system.first_node(); node <= system.first_node() + system.size(); ++node) {
+  for (std::size_t node = system.unknowns().first_node(); node <= system.unknowns().first_node() + system.size();
+       ++node) {
     const std::size_t element = std::clamp<std::size_t>(node, 1, elements) - 1;  // beyond an end: any
-    stiffness_.push_back(system.bar().modulus / system.stretch(element));
-    damping_.push_back(system.bar().viscosity / system.rate_stretch(element));
+    stiffness_.push_back(system.bar().modulus / system.elements().stretch(element));
+    damping_.push_back(system.bar().viscosity / system.elements().rate_stretch(element));
   }
 
   std::vector<double> nodal(system.mesh().nodes());
-  system.expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
+  system.unknowns().expand_displacement(std::vector<double>(system.size(), 0.0), nodal);
   left_displacement_ = nodal.front() - origin[0];
   right_displacement_ = nodal.back() - origin[n_ - 1];
 
-  factorise(system.inertia());
+  factorise(system.inertia().matrix());
 }
 
 // As TridiagonalFactor does.

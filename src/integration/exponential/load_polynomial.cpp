@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "viscobar/dynamics/load_vector.hpp"
+
 namespace viscobar::exponential {
 
 using Eigen::Index;
@@ -91,16 +93,16 @@ LoadInterpolation::LoadInterpolation(const BarSystem& system, double begin, doub
 
 // In a frame that moves the load may cancel its forces: what is left is their rounding.
 double LoadInterpolation::parts(double t) const {
-  if (!system_.moving()) return 0.0;
+  if (!system_.frame().moving()) return 0.0;
   const Bar& bar = system_.bar();
   const auto most = [](const Lift& lift) { return std::max(std::abs(lift.left), std::abs(lift.right)); };
-  const Lift at = system_.lift(t, 0), rate = system_.lift(t, 1);
-  double force =
-      std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) / system_.whole_stretch();
+  const Lift at = system_.frame().lift(t, 0), rate = system_.frame().lift(t, 1);
+  double force = std::abs(bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) /
+                 system_.elements().whole_stretch();
   for (const Support& support : system_.supports())
     force += support.stiffness * most(at) + support.dashpot * most(rate);
   return force + bar.density * system_.mesh().spacing() * std::sqrt(static_cast<double>(system_.size())) *
-                     most(system_.lift(t, 2));
+                     most(system_.frame().lift(t, 2));
 }
 
 MatrixXd LoadInterpolation::varying(const LoadPolynomial& p) const { return load_ ? MatrixXd(basis_ * p) : MatrixXd(); }

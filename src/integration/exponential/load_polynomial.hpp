@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "viscobar/dynamics/bar_system.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::exponential {
 

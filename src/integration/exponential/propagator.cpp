@@ -16,13 +16,14 @@ namespace {
 // nodes' own relaxation.
 double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
   double stretch = system.mesh().smallest(), rate_stretch = stretch;
-  for (std::size_t e = 0; system.is_chain() && e < system.mesh().elements; ++e)
-    stretch = std::min(stretch, system.stretch(e)), rate_stretch = std::min(rate_stretch, system.rate_stretch(e));
+  for (std::size_t e = 0; system.elements().is_chain() && e < system.mesh().elements; ++e)
+    stretch = std::min(stretch, system.elements().stretch(e)),
+    rate_stretch = std::min(rate_stretch, system.elements().rate_stretch(e));
   const double stiffness = system.bar().modulus / stretch, damping = system.bar().viscosity / rate_stretch;
   double contact_stiffness = 0.0, contact_damping = 0.0, massless_stiffness = 0.0;
   for (const ClosedContact& contact : closed) {
     const auto node = static_cast<std::size_t>(contact.unknown);
-    if (system.massless(node)) {
+    if (system.inertia().massless(node)) {
       massless_stiffness = std::max(massless_stiffness, contact.law.stiffness);
     } else {
       contact_stiffness = std::max(contact_stiffness, contact.law.stiffness);
@@ -34,7 +35,7 @@ double rate_bound(const BarSystem& system, double inverse_inertia, const std::ve
   const double side_drag = system.side() ? system.side()->largest_drag() / rho : 0.0;
   double rate = std::sqrt(inverse_inertia * (4.0 * stiffness + 2.0 * contact_stiffness) + side_stiffness) +
                 inverse_inertia * (4.0 * damping + 2.0 * contact_damping) + side_drag;
-  if (system.has_massless() && system.damped()) rate += (stiffness + massless_stiffness) / damping;
+  if (system.inertia().has_massless() && system.bar().damped()) rate += (stiffness + massless_stiffness) / damping;
   return rate;
 }
 
@@ -46,7 +47,7 @@ Propagator::Propagator(const BarSystem& system, const VectorXd& origin, double i
       extended_leg_(system, origin, load.steady(), closed),
       load_(load),
       exponentials_(exponentials),
-      free_(closed.empty() && !system.left_fixed() && !system.right_fixed() && !system.side()),
+      free_(closed.empty() && !system.unknowns().left_fixed() && !system.unknowns().right_fixed() && !system.side()),
       finest_(std::exp2(-std::ceil(std::log2(rate_bound(system, inverse_inertia, closed))))) {}
 
 LinearLeg<double>::Series Propagator::expand(const VectorXd& y, const LoadPolynomial& load, double tau,
@@ -161,9 +162,9 @@ double largest_row_of_inverse(const BandedMatrix& inertia) {
 
 // Norm of (rho M)^{-1} on the massive nodes.
 double norm_of_inverse_inertia(const BarSystem& bar) {
-  const auto begin = static_cast<Index>(bar.massive_begin());
-  const Index count = static_cast<Index>(bar.massive_end()) - begin;
-  const BandedMatrix& inertia = bar.inertia();
+  const auto begin = static_cast<Index>(bar.inertia().massive_begin());
+  const Index count = static_cast<Index>(bar.inertia().massive_end()) - begin;
+  const BandedMatrix& inertia = bar.inertia().matrix();
   if (inertia.unsymmetric()) return largest_row_of_inverse(inertia);
   const VectorXd diagonal = Eigen::Map<const VectorXd>(inertia.diagonal.data() + begin, count);
   if (inertia.off_diagonal.empty() || count == 1) return 1.0 / diagonal.minCoeff();

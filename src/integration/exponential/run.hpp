@@ -16,8 +16,8 @@
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/snapshot.hpp"
 #include "run/contact_states.hpp"
+#include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
-#include "run/parts.hpp"
 #include "run/watchdog.hpp"
 
 namespace viscobar::exponential {
@@ -85,7 +85,7 @@ class Run {
   void leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w);
   // The unknown whose displacement is the first of y.
   std::size_t first_displacement() const {
-    return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.massive_begin();
+    return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.inertia().massive_begin();
   }
   double& displacement_of(Index node) { return y_[node - static_cast<Index>(first_displacement())]; }
   std::vector<double> displacement();    // of all unknowns, not measured from obstacles

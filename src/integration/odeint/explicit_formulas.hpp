@@ -24,7 +24,7 @@ class FirstOrder {
     std::ranges::copy(y.subspan(n, n), w.begin());
     system.complete_velocity(t, u, w);
     system.force(t, u, w, a);
-    system.bar().accelerate(a);
+    system.bar().inertia().accelerate(a);
     ++statistics_.rhs_evaluations;
   }
 

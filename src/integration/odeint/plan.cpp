@@ -38,25 +38,26 @@ struct Spectrum {
 // Bounds: the largest eigenvalue of K against M element by element, plus what a contact adds to its node.
 Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   const Bar& bar = system.bar();
-  const double h = system.finest();
-  const bool diagonal = system.inertia().off_diagonal.empty();
+  const double h = system.elements().finest();
+  const bool diagonal = system.inertia().matrix().off_diagonal.empty();
   const double mesh = (diagonal ? 4.0 : 12.0) / (h * h * bar.density);
   double square = mesh * bar.modulus, decay = mesh * bar.viscosity;
   if (system.side()) {
     square += system.side()->largest_stiffness() / bar.density;
     decay += system.side()->largest_drag() / bar.density;
   }
-  const std::vector<double> masses = system.effective_masses();
+  const std::vector<double> masses = system.inertia().effective_masses();
   double contact_square = 0.0, contact_decay = 0.0, support_square = 0.0;
   for (const Contact& contact : system.contacts()) {
     const auto& stop = system.stop(contact);
-    const PenaltyLaw law =
-        stop ? (stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{})
-             : penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? system.contact_mass(contact) : 0.0);
-    double mass = contact.joint > 0 ? system.contact_mass(contact) : masses[contact.unknown];
+    const PenaltyLaw law = stop ? (stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{})
+                                : penalty_law(penalty, contact.weight,
+                                              penalty.restitution < 1.0 ? system.inertia().contact_mass(contact) : 0.0);
+    double mass = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown];
     if (mass == 0.0) {
       if (bar.viscosity > 0.0)
-        decay = std::max(decay, (bar.modulus + law.stiffness * system.stretch_at(contact.unknown)) / bar.viscosity);
+        decay = std::max(
+            decay, (bar.modulus + law.stiffness * system.elements().stretch_beside(contact.unknown)) / bar.viscosity);
       continue;
     }
     if (contact.where == Where::span && !diagonal) mass = bar.density * contact.weight / 3.0;
@@ -67,8 +68,8 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     support_square = std::max(support_square, support.stiffness / masses[support.unknown]);
     contact_decay = std::max(contact_decay, support.dashpot / masses[support.unknown]);
   }
-  if (system.has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
-  const double open = system.inertia().one_sided.empty() ? square : square * (8.0 / 12.0);
+  if (system.inertia().has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
+  const double open = system.inertia().matrix().one_sided.empty() ? square : square * (8.0 / 12.0);
   return {std::sqrt(square + std::max(contact_square, support_square)), std::sqrt(open + support_square),
           decay + contact_decay};
 }
@@ -96,11 +97,12 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
   if (plan.stepper == Stepper::automatic) {
     const auto n = static_cast<double>(system.size());
     // At its bound of stability dopri5 leaves a node without mass a velocity that no tolerance bounds.
-    plan.stepper =
-        few && (system.has_massless() || explicit_steps > dense_worth * n * n) ? Stepper::rosenbrock4 : Stepper::dopri5;
+    plan.stepper = few && (system.inertia().has_massless() || explicit_steps > dense_worth * n * n)
+                       ? Stepper::rosenbrock4
+                       : Stepper::dopri5;
   }
   if (plan.refusal) return plan;
-  if (system.has_massless() && !system.damped()) {
+  if (system.inertia().has_massless() && !system.bar().damped()) {
     plan.refusal = algebraic_rows("odeint");
   } else if (plan.stepper == Stepper::dopri5) {
     plan.least_steps = explicit_steps;

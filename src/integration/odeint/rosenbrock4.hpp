@@ -100,14 +100,14 @@ class Rosenbrock4 {
       (j < n ? u[j] : w[j - n]) = j < n ? 1.0 : 1.0 / tau_;
       stiffness.multiply(u, elastic);
       for (const std::size_t end : {std::size_t{0}, n - 1}) {
-        if (!system.bar().massless(end)) continue;
+        if (!system.bar().inertia().massless(end)) continue;
         w[end] = 0.0;
         damping.multiply(w, viscous);
         if (!held[end]) w[end] = -(elastic[end] + viscous[end]) / damping.diagonal[end];
       }
       damping.multiply(w, viscous);
       for (std::size_t i = 0; i < n; ++i) viscous[i] = -(elastic[i] + viscous[i]);
-      system.bar().accelerate(viscous);
+      system.bar().inertia().accelerate(viscous);
       for (std::size_t i = 0; i < n; ++i) {
         dense_.jacobian(i, j) = w[i];
         dense_.jacobian(n + i, j) = tau_ * viscous[i];
@@ -130,9 +130,10 @@ class Rosenbrock4 {
     // A massless node passes the load's effect on its velocity on to its neighbour.
     for (const auto& row : relaxing_rows(system.contacts())) {
       out[row.unknown] = row.load_share * load_rate_[row.unknown];
-      a[row.neighbours[0].unknown] += bar.viscosity / system.bar().stretch_at(row.unknown) * out[row.unknown];
+      a[row.neighbours[0].unknown] +=
+          bar.viscosity / system.bar().elements().stretch_beside(row.unknown) * out[row.unknown];
     }
-    system.bar().accelerate(a);
+    system.bar().inertia().accelerate(a);
   }
 
   FirstOrder form_;

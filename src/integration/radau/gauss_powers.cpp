@@ -30,11 +30,11 @@ std::array<StepPowers::Flow, GaussPowers::points> GaussPowers::operator()(Penali
   const auto velocity = [this](std::size_t i) -> const Points& { return w_[i]; };
   const Points zero = Points::Zero();
   put(layout.dissipated,
-      dissipated_power(system.contacts(), velocity, system.bar().squared_strain_rate(velocity, zero)));
+      dissipated_power(system.contacts(), velocity, system.bar().elements().squared_strain_rate(velocity, zero)));
   if (layout.work) put(layout.work, load(system, begin, length));
   if (layout.end_inertia) {
     Points sum = Points::Zero();
-    for (const OneSidedRow& row : system.bar().inertia().one_sided) {
+    for (const OneSidedRow& row : system.bar().inertia().matrix().one_sided) {
       Points force = Points::Zero();
       for (std::size_t k = 0; k < row.entries.size(); ++k) force += row.entries[k] * combined(rates, x[row.column(k)]);
       sum += (w_[row.row] * force / length).eval();

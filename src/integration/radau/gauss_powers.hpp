@@ -22,7 +22,7 @@ class GaussPowers {
   static constexpr std::size_t points = StepPowers::of_gauss;
 
   static bool takes(const BarSystem& bar) {
-    return !bar.moving() && !bar.has_massless() && !bar.side() && bar.inertia().skew.empty();
+    return !bar.frame().moving() && !bar.inertia().has_massless() && !bar.side() && bar.inertia().matrix().skew.empty();
   }
 
   /// @param w velocities where the step begins

@@ -24,11 +24,11 @@ class LoadTail {
   /// coefficients, geometric decay leaves a^2 / b behind them: taken as a force on the node alone, all over the step.
   double error(const BarSystem& bar, double h, double of_displacement, double of_velocity) const {
     double fastest = 0.0;
-    for (std::size_t i = bar.massive_begin(); i < bar.massive_end(); ++i) {
+    for (std::size_t i = bar.inertia().massive_begin(); i < bar.inertia().massive_end(); ++i) {
       const Eigen::Array4d size = tail_[i].abs();
       const double before = std::max(size[0], size[1]), last = std::max(size[2], size[3]);
       const double rest = last < before ? last * (last / before) : last;
-      fastest = std::max(fastest, h * rest / bar.inertia().diagonal[i]);
+      fastest = std::max(fastest, h * rest / bar.inertia().matrix().diagonal[i]);
     }
     return fastest * std::max(of_velocity, h * of_displacement);
   }

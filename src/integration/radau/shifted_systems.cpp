@@ -60,7 +60,7 @@ void ShiftedSystems::take(const PenalisedSystem& system) {
 
 // The sums of the side's rows apart, which are as small beside E/h as those of the inertia.
 void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side) {
-  const std::size_t first = bar.first_node(), n = bar.size();
+  const std::size_t first = bar.unknowns().first_node(), n = bar.size();
   for (const bool drag : {false, true}) {
     BandedMatrix bare = drag ? damping_ : stiffness_;
     side.add_to(bare, first, drag ? -1.0 : 0.0, drag ? 0.0 : -1.0);
@@ -91,7 +91,7 @@ std::optional<std::size_t> ShiftedSystems::middle_of(const BandedMatrix& inertia
 // Nodes at which something is to be done beside what each node has.
 void ShiftedSystems::flag_rows(const BarSystem& bar) {
   const std::size_t n = mass_.size();
-  middle_ = middle_of(bar.inertia()).value();
+  middle_ = middle_of(bar.inertia().matrix()).value();
   beyond_.resize(mass_.one_sided.size());
   flags_.assign(n, 0);
   rows_.clear();

@@ -82,9 +82,9 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
     for (const Support& support : rates.supports)
       part.stiff_rate[support.unknown] += support.stiffness * begin_.w[support.unknown];
     if (rates.side)
-      rates.side->subtract(
-          [&, of_w = system_.bar().at_nodes(begin_.w)](std::size_t j) { return -rates.side->stiffness(j) * of_w(j); },
-          system_.bar().first_node(), n, part.stiff_rate);
+      rates.side->subtract([&, of_w = system_.bar().unknowns().at_nodes(begin_.w)](
+                               std::size_t j) { return -rates.side->stiffness(j) * of_w(j); },
+                           system_.bar().unknowns().first_node(), n, part.stiff_rate);
     impulse_rates(derivative, begin_, u, part.impulse_rates);
   }
 }
@@ -120,7 +120,7 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   for (const auto& [unknown, stiffness, dashpot, mass] : rates.supports)
     x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
   if (const SideRows* side = rates.side) {
-    const std::size_t first = system_.bar().first_node();
+    const std::size_t first = system_.bar().unknowns().first_node();
     const auto resisted = [&](std::size_t j) {
       if (j < first || j - first >= n) return Complex{};
       return elastic(-side->drag(j), -side->stiffness(j)) * motion[j - first];
@@ -141,7 +141,7 @@ void StepDerivatives::gather_load(std::size_t k, const Step& step, std::span<con
   Moment at = begin_;
   for (std::size_t m = 0; m < stages; ++m) {
     at.t = m + 1 == stages ? step.reached : step.t + formula.nodes[m] * h_;
-    if (m == 0 || system_.bar().moving()) derivative.drive(at);  // others have driven it since
+    if (m == 0 || system_.bar().frame().moving()) derivative.drive(at);  // others have driven it since
     derivative.motion().force(at.t, block.first(n), block.subspan(n, n), force_);
     const Complex share = h_ * formula.of_load[m];
     for (std::size_t i = 0; i < n; ++i) {
@@ -176,7 +176,7 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
       if (!system_.bar().side()) continue;
       const auto part_of = [&](const double* rates, std::span<const Complex> changes, Lanes Complex::*part) {
         return [&, rates, changes, part](std::size_t j) {
-          const std::size_t i = j - system_.bar().first_node();
+          const std::size_t i = j - system_.bar().unknowns().first_node();
           return i < n ? (image(rates[i], changes[i]).*part)[l] : 0.0;
         };
       };
@@ -191,7 +191,7 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
                                 Statistics& statistics) {
   h_ = step.h;
   const std::size_t n = layout_.nodes;
-  if (moment_.asks_for_inertia()) multiply(system_.bar().inertia(), motion, inertial_);
+  if (moment_.asks_for_inertia()) multiply(system_.bar().inertia().matrix(), motion, inertial_);
   if (!stiff_.empty()) stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
   double largest = 0.0;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -202,8 +202,8 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
     if (derivatives_[k]->load_varies()) {
       gather_load(k, step, begin, driven);
       driven = true;
-      largest = std::max(largest,
-                         part.load_tail.error(system_.bar(), h_, weight[0], weight[n + system_.bar().massive_begin()]));
+      largest = std::max(largest, part.load_tail.error(system_.bar(), h_, weight[0],
+                                                       weight[n + system_.bar().inertia().massive_begin()]));
     }
     systems.solve(part.force, part.stiff_rate, driven, part.x);
     statistics.linear_solves += lanes;
@@ -221,7 +221,8 @@ double StepDerivatives::move(std::size_t k, std::span<const double> begin, std::
   const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
   std::array<Eigen::Array4d, parts> columns;
   for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l], of_w[l], h_ * of_u[l]};
-  const std::size_t n = layout_.nodes, first = system_.bar().massive_begin(), last = system_.bar().massive_end();
+  const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
+                    last = system_.bar().inertia().massive_end();
   const std::vector<Complex>& x = parts_[k].x;
   Eigen::Array4d largest = Eigen::Array4d::Zero();
   for (std::size_t i = 0; i < n; ++i) {

@@ -203,7 +203,7 @@ void Leg::derivative_rates(double t, std::span<const double> y, std::span<double
 }
 
 void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<double> out) {
-  const BandedMatrix& inertia = system.bar().inertia();
+  const BandedMatrix& inertia = system.bar().inertia().matrix();
   const std::size_t n = out.size();
   if (inertia.is_diagonal()) {
     for (std::size_t i = 0; i < n; ++i) out[i] -= factor * inertia.diagonal[i] * x[i];

@@ -64,7 +64,7 @@ std::pair<std::vector<double>, std::vector<double>> ThinnedField::envelope() con
 ReportData::ReportData(const Case& run, const BarSystem& system)
     : field(system.mesh(), ThinnedField::At::nodes, nodes_of_members(run.scene, system.mesh())),
       stress(system.mesh(), ThinnedField::At::elements, nodes_of_members(run.scene, system.mesh())),
-      joints(system.joints().size()),
+      joints(system.elements().joints().size()),
       readings(run.gauges.size()),
       system_(system),
       gauges_(make_gauges(run.gauges, system.mesh(), run.scene)),
@@ -110,7 +110,7 @@ void ReportData::add(const Snapshot& at) {
   span.reaction.add({at.time, at.reaction_span});
   for (std::size_t k = 0; k < std::min(joints.size(), at.joint_forces.size()); ++k) {
     const double force = at.joint_forces[k];
-    if (snapshots == 0 && force != 0.0 && system_.joints()[k].contact) joints[k].closed_since = at.time;
+    if (snapshots == 0 && force != 0.0 && system_.elements().joints()[k].contact) joints[k].closed_since = at.time;
     joints[k].reaction.add({at.time, force});
   }
   ++snapshots;
@@ -132,8 +132,9 @@ void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add({event});
   if (event.where == Where::joint)
-    return joints[static_cast<std::size_t>(std::ranges::find(system_.joints(), event.node, &JointNodes::number) -
-                                           system_.joints().begin())]
+    return joints[static_cast<std::size_t>(
+                      std::ranges::find(system_.elements().joints(), event.node, &JointNodes::number) -
+                      system_.elements().joints().begin())]
         .add(event);
   if (event.where != Where::span) return (event.where == Where::left ? left : right).add(event);
   if (event.change == Change::closing || event.peak) span.add(event);

@@ -130,7 +130,7 @@ class ReportData {
   ThinnedField field, stress;
   End left, right;
   End span;                 // all of its nodes together: reaction and contacts alone
-  std::vector<End> joints;  // of BarSystem::joints(), likewise
+  std::vector<End> joints;  // of Elements::joints(), likewise
   std::vector<plot::ThinnedLine> energy{energy_columns.size(), plot::ThinnedLine(buckets)};  // of energy_columns
   std::vector<Slopes> sensitivities;                                                         // of each direction
   std::vector<Readings> readings;                                                            // of each gauge

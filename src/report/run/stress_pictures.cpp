@@ -31,7 +31,7 @@ std::vector<Point> traction(const Case& run, const BarSystem& system, const Outc
   const SceneEnd end = ends_of(run.scene)[right];
   std::vector<Point> line = (right ? data.right : data.left).traction.points();
   const bool balanced = run.method == MethodName::characteristics || run.method == MethodName::rigid ||
-                        (end.obstacle() && system.massless(system.end(right)));
+                        (end.obstacle() && system.inertia().massless(system.unknowns().end(right)));
   const EndInput& input = end.input;
   if (!end.obstacle() || !balanced || input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) return line;
   return with_contacts(line, contacts_of(end.name, outcome, data), [&](double t, double reaction) {

@@ -20,7 +20,7 @@ namespace {
 class Reader {
  public:
   Reader(const Layout& layout, const BarSystem& system, const Scene& scene)
-      : layout_(layout), joints_(system.joints()) {
+      : layout_(layout), joints_(system.elements().joints()) {
     using Kind = EnsembleOutput::Kind;
     for (const EnsembleOutput& output : layout.outputs) {
       auto& column = columns_.emplace_back();

@@ -6,6 +6,7 @@
 
 #include "case/scene_numbers.hpp"
 #include "schemes/settled_start.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::bars {
 
@@ -92,13 +93,13 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
   Mesh mesh = run.mesh();
   mesh.length = 1.0;
   const BarSystem system(unit, mesh, mass_);
-  pattern.inertia = system.inertia();
-  const std::size_t n = system.size(), first = system.first_node();
+  pattern.inertia = system.inertia().matrix();
+  const std::size_t n = system.size(), first = system.unknowns().first_node();
   if (n < 4 || !pattern.inertia.skew.empty()) return std::nullopt;
   pattern.stretch.assign(n + 1, 0.0);
   for (std::size_t i = 0; i <= n; ++i)
     if (i + first > 0 && i + first <= mesh.elements) pattern.stretch[i] = 1.0 / mesh.element(i + first - 1);
-  for (const bool right : {false, true}) pattern.massless[right] = system.massless(right ? n - 1 : 0);
+  for (const bool right : {false, true}) pattern.massless[right] = system.inertia().massless(right ? n - 1 : 0);
   return pattern;
 }
 
@@ -192,7 +193,7 @@ std::optional<OwnMember> Members::of(const Case& run) const {
   Member& m = one.member;
   take_numbers(run, m);
   for (const bool right : {false, true}) {
-    m.wall[right] = system.wall(right).value_or(0.0);
+    m.wall[right] = system.unknowns().wall(right).value_or(0.0);
     if ((m.stiffness[right] > 0.0 || m.dashpot[right] > 0.0 || m.mass[right] > 0.0) && !pattern_->mounted[right])
       return std::nullopt;
   }

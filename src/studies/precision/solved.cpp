@@ -145,7 +145,7 @@ System system_of(const Setup& setup) {
   const BarSystem system = setup.system();
   System::Law law = System::Law::penalised;
   if (!system.contacts().empty() && !is_penalised(run.method))
-    law = system.has_massless() || run.method == MethodName::rigid ? System::Law::rigid : System::Law::impact;
+    law = system.inertia().has_massless() || run.method == MethodName::rigid ? System::Law::rigid : System::Law::impact;
   const bool penalised = has_penalty(run.scene) && law == System::Law::penalised;
   return {run.elements, system.mass(), law, penalised ? setup.epsilon : 0.0};
 }
