@@ -67,10 +67,12 @@ Probe::Probe(const Case& run, std::size_t times) {
     node_stride_ *= 2;
   const Mesh mesh = run.mesh();
   for (std::size_t j = 0; j < mesh.nodes(); j += node_stride_) sample_.x.push_back(mesh.node(j));
-  if (!run.scene.chain.empty())
+  if (run.scene.chain.empty())
+    sample_.members = {{0, sample_.x.size()}};
+  else
     for (const Piece& piece : pieces_of(run.scene, mesh)) sample_.members.push_back({piece.first, piece.last() + 1});
-  const std::size_t places = std::max<std::size_t>(2, 1 + sample_.members.size());
-  for (std::vector<double>* one : {&sample_.impulse, &sample_.peak, &sample_.speed}) one->resize(places);
+  for (std::vector<double>* one : {&sample_.impulse, &sample_.peak, &sample_.speed})
+    one->resize(1 + sample_.members.size());
   sample_.end = run.end;
   sample_.times.reserve(times);
   sample_.u.reserve(times * sample_.x.size());
@@ -167,12 +169,10 @@ struct Place {
 
 std::vector<Place> places_of(const Sample& sample, Goal of) {
   const std::vector<double>& x = sample.x;
-  if (of != Goal::displacement)
-    return {{0, x.front()}, {std::max<std::size_t>(1, sample.members.size()) - 1, x.back()}};
+  if (of != Goal::displacement) return {{0, x.front()}, {sample.members.size() - 1, x.back()}};
   std::vector<Place> places;
   for (std::size_t i = 0, member = 0; i < x.size(); ++i) {
-    while (!sample.members.empty() && i >= sample.members[member].end)
-      ++member;  // a node that two have is the left one's
+    while (i >= sample.members[member].end) ++member;  // a node that two have is the left one's
     places.push_back({member, x[i]});
   }
   return places;
@@ -192,7 +192,7 @@ Values at_places(const Sample& sample, const std::vector<Place>& places, std::si
   const std::size_t count = places.size(), width = sample.x.size();
   std::vector<Interpolant> rules;
   for (const auto& [member, x] : places) {
-    const auto [first, end] = sample.members.empty() ? Sample::Range{0, sample.x.size()} : sample.members[member];
+    const auto [first, end] = sample.members[member];
     rules.push_back(interpolant_or_node(std::span(sample.x).subspan(first, end - first), x));
     rules.back().begin += first;
   }

@@ -22,7 +22,7 @@ struct Sample {
     std::size_t begin, end;
   };
   std::vector<double> x;               ///< places that are kept
-  std::vector<Range> members;          ///< places of each member of a chain; two have one where they are bonded
+  std::vector<Range> members;          ///< places of the bar, or of each of a chain; two have one where they are bonded
   std::vector<double> times;           ///< K
   std::vector<double> u;               ///< of them, K times, row by row
   std::vector<Event> events;           ///< contact changes
