@@ -33,6 +33,15 @@ AccuracyStudy study_of(const std::string& text, const std::vector<std::string>& 
   return study;
 }
 
+// The sample that a probe takes in the same run.
+accuracy::Sample sample_of(const Case& run, const Recording& recording) {
+  accuracy::Probe probe(run, recording.times.size());
+  for (std::size_t k = 0; k < recording.times.size(); ++k)
+    probe.add(Snapshot{recording.times[k], recording.displacement(k), recording.velocity(k)});
+  for (const Event& event : recording.events) probe.add(event);
+  return probe.take(recording.statistics);
+}
+
 double opening_of(const Recording& recording) {
   for (const Event& event : recording.events)
     if (event.change == Change::opening) return event.time;
@@ -249,7 +258,7 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
                                                           "mesh.elements=512", "method.step=5e-5"})
                          .run;
   const accuracy::Sample fine = accuracy::sample_of(truth, truth.output_times());
-  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), fine, Goal::displacement), error);
+  EXPECT_LE(accuracy::difference(sample_of(result.run, result.recording), fine, Goal::displacement), error);
 }
 
 // Free ends meet it.
@@ -270,9 +279,9 @@ TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
   const AccuracyResult result = solve(study_of(floor_below, {fmt::format("accuracy.error={}", error), "method.step="}));
   EXPECT_EQ(resolve(result.run).mass, Mass::lumped);
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
-  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), on_the_floor("lumped", 512),
-                                 Goal::displacement),
-            error);
+  EXPECT_LE(
+      accuracy::difference(sample_of(result.run, result.recording), on_the_floor("lumped", 512), Goal::displacement),
+      error);
 }
 
 // Between 32 and 256 elements. Which node touches first jumps with the mesh, and the errors with it.
@@ -357,7 +366,7 @@ TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   Case waves = result.run;
   waves.method = MethodName::characteristics;
   const accuracy::Sample exact = accuracy::sample_of(waves, waves.output_times());
-  EXPECT_LE(accuracy::difference(accuracy::sample_of(result.run, result.recording), exact, Goal::displacement), 1e-2);
+  EXPECT_LE(accuracy::difference(sample_of(result.run, result.recording), exact, Goal::displacement), 1e-2);
 }
 
 // 40,000 elements to t = 50 take far longer than the half of a second that a check has, a hundredth of them does not.

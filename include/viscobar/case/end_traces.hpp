@@ -17,8 +17,6 @@ struct EndTraces {
   std::vector<std::vector<double>> between;
   std::vector<Event> events;  ///< contact changes in order of time
   Statistics statistics;      ///< of the run
-  /// Derivatives of the traces, an entry for each direction of the case; NaN from where there are none on.
-  std::vector<EndTraces> sensitivities = {};
 
   /// All of them, of traces `self`.
   static auto all(auto& self) {
@@ -28,14 +26,17 @@ struct EndTraces {
   }
 };
 
-/// Runs a sound case on the given times; `progress` is told each step, and may stop the run. @throws IntegrationError
+/// Runs a sound case on the given times, without its directions; `progress` is told each step, and may stop the run.
+/// @throws IntegrationError
 EndTraces trace_ends(const Case& run, std::span<const double> times,
                      const std::function<RunControl(double time)>& progress = {});
 
 /// The contact changes of a sound case alone. @throws IntegrationError
 std::vector<Event> contact_changes(const Case& run);
 
-/// max over time and all traces of |u - u'|; they share their times.
+/// max |a_i - b_i| of numbers that are as many.
+double largest_difference(std::span<const double> a, std::span<const double> b);
+/// The same over all traces of two runs, which share their times.
 double largest_difference(const EndTraces& a, const EndTraces& b);
 
 /// Times on [0, end] that resolve the largest difference of two runs: `uniform` intervals, and after each contact

@@ -18,8 +18,7 @@ constexpr double rounding = 1e-13;        // of a length or a time: a break is t
 
 }  // namespace
 
-template <class Function, class Moves>
-void DataError::add(const Function& f, const Places& places, Moves&& moves) {
+void DataError::add(const auto& f, const Places& places, auto&& moves) {
   constexpr std::size_t most = 10000;
   if (!places.breaks) return;
   std::size_t count = 0;
@@ -30,8 +29,7 @@ void DataError::add(const Function& f, const Places& places, Moves&& moves) {
 }
 
 // A wave cos(k x) has places 0.14/k to 0.28/k apart, see FormulaDetail.
-template <class Function, class Detail, class Moves>
-void DataError::add_waves(const Function& f, const Detail& detail, Moves&& moves, std::vector<Wave>& waves) {
+void DataError::add_waves(const auto& f, const auto& detail, auto&& moves, std::vector<Wave>& waves) {
   constexpr double in_a_wave = 0.2;
   // Places of about one distance are a wave each: its amplitude is that of all of them.
   constexpr double alike = 4.0;

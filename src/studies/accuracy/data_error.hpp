@@ -57,10 +57,8 @@ class DataError {
   };
   bool unseen(const Wave& wave, double elements) const;
   bool aliased(const Wave& wave, double elements) const;
-  template <class Function, class Moves>
-  void add(const Function& f, const Places& places, Moves&& moves);
-  template <class Function, class Detail, class Moves>
-  void add_waves(const Function& f, const Detail& detail, Moves&& moves, std::vector<Wave>& waves);
+  void add(const auto& f, const Places& places, auto&& moves);
+  void add_waves(const auto& f, const auto& detail, auto&& moves, std::vector<Wave>& waves);
   void add_general(const GeneralLoad& load, const Case& run);
 
   double length_;

@@ -22,37 +22,33 @@ double error_of(double apart, double ratio, double order) {
   return apart * share / (1.0 - share);
 }
 
+// Makes a setting finer whose error, a power of it, is more than its share; true if that is another one.
+bool refine(double& setting, const Part& part, double share, double at_once, double least) {
+  if (part.error <= excess * share) return false;
+  const double finer =
+      std::max(least, setting * std::clamp(std::pow(share / part.error, 1.0 / part.order), at_once, 0.5));
+  return finer < std::exchange(setting, std::min(finer, setting));
+}
+
 }  // namespace
 
-// By the two finest of settings in one number, `values`; three of them may show a power above `least`.
-Plan::Part Plan::part_of(const std::vector<double>& values, const std::function<Setting(double)>& at, double least,
-                         double most) const {
+// By the two finest of the runs that differ in one number alone; three of them may show a power above `least`.
+Part Plan::part_of(const Setting& finest, double Setting::*number, double least, double most) const {
+  std::vector<Setting> runs;
+  for (const Setting& known : runs_.known()) {
+    Setting alike = known;
+    alike.*number = finest.*number;
+    if (alike == finest && known >= finest) runs.push_back(known);
+  }
   Part part{0.0, least};
-  if (values.size() < 2) return part;
-  const double found = apart(at(values[0]), at(values[1])), ratio = values[1] / values[0];
-  if (values.size() >= 3 && least < most)
-    if (const auto order = power_of_changes(values[2] / values[1], ratio, apart(at(values[1]), at(values[2])), found))
+  if (runs.size() < 2) return part;
+  const auto ratio = [&](std::size_t k) { return runs[k + 1].*number / (runs[k].*number); };
+  const double found = apart(runs[0], runs[1]);
+  if (runs.size() >= 3 && least < most)
+    if (const auto order = power_of_changes(ratio(1), ratio(0), apart(runs[1], runs[2]), found))
       part.order = std::clamp(*order, least, most);
-  part.error = error_of(found, ratio, part.order);
+  part.error = error_of(found, ratio(0), part.order);
   return part;
-}
-
-Plan::Part Plan::time_part(const Setting& finest) const {
-  std::vector<double> settings;
-  for (const Setting& known : runs_.known())
-    if (known.elements == finest.elements && known.epsilon == finest.epsilon && known.fineness >= finest.fineness)
-      settings.push_back(known.fineness);
-  const auto at = [&](double fineness) { return Setting{finest.elements, fineness, finest.epsilon}; };
-  return part_of(settings, at, time_order_, stepping_ ? 2.0 : time_order_);
-}
-
-Plan::Part Plan::penalty_part(const Setting& finest) const {
-  std::vector<double> settings;
-  for (const Setting& known : runs_.known())
-    if (known.elements == finest.elements && known.fineness == finest.fineness && known.epsilon >= finest.epsilon)
-      settings.push_back(known.epsilon);
-  const auto at = [&](double epsilon) { return Setting{finest.elements, finest.fineness, epsilon}; };
-  return part_of(settings, at, least_order_of_penalty, 1.0);
 }
 
 // Two that tell the error of the chosen tolerance, or step, on a mesh.
@@ -64,20 +60,20 @@ std::vector<Setting> Plan::time_pair(std::size_t elements) const {
   return {at(elements), other};
 }
 
-Plan::Part Plan::time_error(std::size_t elements) {
+Part Plan::time_error(std::size_t elements) {
   const std::vector<Setting> pair = time_pair(elements);
   if (pair.empty()) return {};
   runs_.make(pair);
   if (stepping_) {
     // A node stops within a step, in which a line lies beside the kink: between any two times.
-    Part part = time_part(pair[0]);
+    Part part = part_of(pair[0], &Setting::fineness, time_order_, 2.0);
     const Goal of = study_.request.of;
     if (of == Goal::displacement || of == Goal::end_traces)
       part.error = std::max(part.error, 0.25 * closing_speed_ * chosen_.fineness);
     return part;
   }
   Part part{apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
-  if (pair[1].fineness > pair[0].fineness) part = time_part(pair[0]);
+  if (pair[1].fineness > pair[0].fineness) part = part_of(pair[0], &Setting::fineness, time_order_, time_order_);
   part.error = std::max(part.error, usual_error * chosen_.fineness * largest_);
   return part;
 }
@@ -97,12 +93,12 @@ std::vector<Setting> Plan::penalty_pair(std::size_t elements) const {
   return {own, other};
 }
 
-Plan::Part Plan::penalty_error(std::size_t elements) {
+Part Plan::penalty_error(std::size_t elements) {
   const std::vector<Setting> pair = penalty_pair(elements);
   if (pair.empty()) return {};
   runs_.make(pair);
   const bool softer = pair[1].epsilon > pair[0].epsilon;
-  Part part = penalty_part(pair[softer ? 0 : 1]);
+  Part part = part_of(pair[softer ? 0 : 1], &Setting::epsilon, least_order_of_penalty, 1.0);
   if (!softer) part.error *= std::pow(pair[0].epsilon / pair[1].epsilon, part.order);
   // How deep a node is in an obstacle is an error of it, soon after an impact and between any two times.
   const Goal of = study_.request.of;
@@ -112,23 +108,16 @@ Plan::Part Plan::penalty_error(std::size_t elements) {
   return part;
 }
 
-// A finer one whose error is its share of the request; whether it is another one.
 bool Plan::refine_time(const Part& part) {
   const bool given = stepping_ ? study_.request.given.step : study_.request.given.tolerance;
-  const double share = shares_.time * *requested_;
-  if (given || exact_time_ || waves_ || part.error <= excess * share) return false;
-  const double order = stepping_ ? part.order : 0.9, least = stepping_ ? 1.0 / 16.0 : 1e-5;
-  double finer = chosen_.fineness * std::clamp(std::pow(share / part.error, 1.0 / order), least, 0.5);
-  if (!stepping_) finer = std::max(finer, finest_tolerance);
-  return finer < std::exchange(chosen_.fineness, std::min(finer, chosen_.fineness));
+  if (given || exact_time_ || waves_) return false;
+  if (stepping_) return refine(chosen_.fineness, part, shares_.time * *requested_, 1.0 / 16.0, 0.0);
+  return refine(chosen_.fineness, {part.error, 0.9}, shares_.time * *requested_, 1e-5, finest_tolerance);
 }
 
 bool Plan::refine_penalty(const Part& part) {
-  const double share = shares_.penalty * *requested_, least = 1e-16 * natural_epsilon(base_.scene);
-  if (!penalised_ || study_.request.given.epsilon || part.error <= excess * share) return false;
-  const double harder =
-      std::max(least, chosen_.epsilon * std::clamp(std::pow(share / part.error, 1.0 / part.order), 1e-4, 0.5));
-  return harder < std::exchange(chosen_.epsilon, std::min(harder, chosen_.epsilon));
+  if (!penalised_ || study_.request.given.epsilon) return false;
+  return refine(chosen_.epsilon, part, shares_.penalty * *requested_, 1e-4, 1e-16 * natural_epsilon(base_.scene));
 }
 
 void Plan::settle(std::size_t elements) {

@@ -134,10 +134,6 @@ std::size_t Plan::with_enough(std::size_t elements) const {
   return elements;
 }
 
-void Plan::tell(const std::string& what) const {
-  if (study_.message) study_.message(what);
-}
-
 Resolution Plan::resolution() const {
   const Bar& bar = base_.scene.bar;
   Resolution resolution;
@@ -168,7 +164,7 @@ double Plan::aligned(const Setting& first, const Setting& second, const Setting&
 Case Plan::next() {
   again_ = false;
   if (!waves_ && !piloted_ && !as_it_is_) {
-    tell("the error on coarse meshes");
+    if (study_.message) study_.message("the error on coarse meshes");
     pilot();
     if (!study_.request.given.elements) climb();
   }
@@ -177,10 +173,11 @@ Case Plan::next() {
   if (as_it_is_) return run;
   runs_.begin(wanted_by_judge());
   if (waves_) return run;
-  tell(fmt::format("{} on {} elements{}", name(run.method), run.elements,
-                   stepping_     ? fmt::format(", step {:.2g}", *run.step)
-                   : exact_time_ ? ""
-                                 : fmt::format(", tolerance {:.2g}", run.tolerance.relative)));
+  if (study_.message)
+    study_.message(fmt::format("{} on {} elements{}", name(run.method), run.elements,
+                               stepping_     ? fmt::format(", step {:.2g}", *run.step)
+                               : exact_time_ ? ""
+                                             : fmt::format(", tolerance {:.2g}", run.tolerance.relative)));
   return run;
 }
 

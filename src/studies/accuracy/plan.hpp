@@ -17,6 +17,12 @@
 
 namespace viscobar::accuracy {
 
+/// The error of a setting other than the mesh, from runs that differ in it, and the power of it that they follow.
+struct Part {
+  double error = 0.0, order = 1.0;
+};
+inline constexpr double excess = 1.2;  ///< of its share, with which a setting stays
+
 /// Chooses settings, makes the runs for the estimate, and judges the solution:
 ///
 ///     Plan plan(study);
@@ -41,17 +47,12 @@ class Plan {
   bool again() const { return again_; }
 
  private:
-  /// The error of a setting other than the mesh, from runs that differ in it, and the power of it that they follow.
-  struct Part {
-    double error = 0.0, order = 1.0;
-  };
   /// Share of the requested error for each part.
   struct Shares {
     double space = 0.65, penalty = 0.1, time = 0.25;
   };
   static constexpr std::size_t least_elements = 16;  ///< of a solution: fewer are no faster, on any unit
   static constexpr std::size_t most_rungs = 4;       ///< meshes that an error is seen by
-  static constexpr double excess = 1.2;              ///< of its share, with which a setting stays
   static constexpr double nudge_share = 1e-9;        ///< of the natural velocity
 
   Case with(const Setting& setting) const;
@@ -60,7 +61,6 @@ class Plan {
   // Distance and alignment of runs that were made. Each distance of fields is computed once.
   double apart(const Setting& coarse, const Setting& fine) const;
   double aligned(const Setting& first, const Setting& second, const Setting& third) const;
-  void tell(const std::string& what) const;
   // Elements of the bar that has the fewest; a mesh as coarse as that, or coarser than the chosen one by less, on which
   // each has three.
   std::size_t fewest_at(std::size_t elements) const;
@@ -73,10 +73,7 @@ class Plan {
   void leave_fine_settings();
 
   // The settings in time and penalty: parts.cpp.
-  Part part_of(const std::vector<double>& values, const std::function<Setting(double)>& at, double least,
-               double most) const;
-  Part time_part(const Setting& finest) const;
-  Part penalty_part(const Setting& finest) const;
+  Part part_of(const Setting& finest, double Setting::*number, double least, double most) const;
   std::vector<Setting> time_pair(std::size_t elements) const;
   std::vector<Setting> penalty_pair(std::size_t elements) const;
   Part time_error(std::size_t elements);

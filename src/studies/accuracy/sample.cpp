@@ -7,6 +7,7 @@
 
 #include "discretisation/interpolant.hpp"
 #include "dynamics/pieces.hpp"
+#include "studies/touch.hpp"
 
 namespace viscobar::accuracy {
 
@@ -59,31 +60,25 @@ std::vector<double> times_of_errors(double end) {
   return times;
 }
 
-Probe::Probe(const Case& run, std::optional<std::size_t> times) {
-  constexpr double most_times = 20'000.0, most_values = 1e6;
-  const double outputs = times ? static_cast<double>(*times) : std::ceil(run.end / run.output_every) + 1.0;
-  time_stride_ = static_cast<std::size_t>(std::ceil(outputs / most_times));
-  const double rows = outputs / static_cast<double>(time_stride_);
-  constexpr std::size_t enough = 32;
+Probe::Probe(const Case& run, std::size_t times) {
+  constexpr std::size_t enough = 32, most_values = 1'000'000;
   while (run.scene.chain.empty() && run.elements / (2 * node_stride_) >= enough &&
-         run.elements % (2 * node_stride_) == 0 &&
-         rows * static_cast<double>(run.elements / node_stride_) > most_values)
+         run.elements % (2 * node_stride_) == 0 && times * (run.elements / node_stride_) > most_values)
     node_stride_ *= 2;
   const Mesh mesh = run.mesh();
   for (std::size_t j = 0; j < mesh.nodes(); j += node_stride_) sample_.x.push_back(mesh.node(j));
-  if (!run.scene.chain.empty())
+  if (run.scene.chain.empty())
+    sample_.members = {{0, sample_.x.size()}};
+  else
     for (const Piece& piece : pieces_of(run.scene, mesh)) sample_.members.push_back({piece.first, piece.last() + 1});
-  const std::size_t places = std::max<std::size_t>(2, 1 + sample_.members.size());
-  for (std::vector<double>* one : {&sample_.impulse, &sample_.peak, &sample_.speed}) one->resize(places);
+  for (std::vector<double>* one : {&sample_.impulse, &sample_.peak, &sample_.speed})
+    one->resize(1 + sample_.members.size());
   sample_.end = run.end;
-  const auto most_rows = static_cast<std::size_t>(rows) + 2;
-  sample_.times.reserve(most_rows);
-  sample_.u.reserve(most_rows * sample_.x.size());
+  sample_.times.reserve(times);
+  sample_.u.reserve(times * sample_.x.size());
 }
 
 void Probe::add(const Snapshot& snapshot) {
-  const bool last = snapshot.time == sample_.end;
-  if (seen_++ % time_stride_ != 0 && !last) return;
   sample_.times.push_back(snapshot.time);
   if (node_stride_ == 1)
     sample_.u.insert(sample_.u.end(), snapshot.u.begin(), snapshot.u.end());
@@ -111,10 +106,8 @@ Sample Probe::take(const Statistics& statistics) {
 }
 
 Sample sample_of(const Case& run, std::span<const double> times, const RunLimits& limits, bool peaks) {
-  Case plain = run;
-  plain.directions.clear();
-  const Setup setup = resolve(std::move(plain));
-  Probe probe(setup.run, times.size());
+  const Setup setup = resolve(run);
+  Probe probe(run, times.size());
   Observers observers;
   observers.account = true;
   observers.off_the_clock = observers.reactions = false;
@@ -124,60 +117,7 @@ Sample sample_of(const Case& run, std::span<const double> times, const RunLimits
   return probe.take(simulate_within(limits, setup, setup.system(), times, observers));
 }
 
-Sample sample_of(const Case& run, const Recording& recording) {
-  Probe probe(run);
-  for (std::size_t k = 0; k < recording.times.size(); ++k)
-    probe.add(Snapshot{recording.times[k], recording.displacement(k), recording.velocity(k)});
-  for (const Event& event : recording.events) probe.add(event);
-  return probe.take(recording.statistics);
-}
-
-double largest(const Sample& sample, Goal of) {
-  double most = 0.0;
-  switch (of) {
-    case Goal::displacement:
-      return Values(sample.u.data(), static_cast<Eigen::Index>(sample.u.size())).abs().maxCoeff();
-    case Goal::end_traces:
-      for (std::size_t k = 0; k < sample.rows(); ++k)
-        most = std::max({most, std::abs(sample.row(k)[0]), std::abs(sample.row(k)[sample.x.size() - 1])});
-      return most;
-    case Goal::contact_times: return sample.events.empty() ? sample.end : sample.events.back().time;
-    case Goal::impulse:
-      return Values(sample.impulse.data(), static_cast<Eigen::Index>(sample.impulse.size())).abs().maxCoeff();
-    case Goal::peak_reaction: return std::ranges::max(sample.peak);
-    case Goal::end_velocity: return std::max(sample.speed[0], sample.speed[1]);
-  }
-  return most;
-}
-
 namespace {
-
-// A time in contact, up to the end of the run for the last one.
-struct Contact {
-  double begin = 0.0, end = 0.0, impulse = 0.0, closing_speed = 0.0;
-  bool from_start = false, to_end = false;
-};
-
-std::vector<Contact> contacts_of(const Sample& sample, Where end, std::size_t joint) {
-  std::vector<Contact> contacts;
-  double before = 0.0;
-  for (const Event& event : sample.events) {
-    if (event.where != end || (joint > 0 && event.node != joint)) continue;
-    const double impulse = event.impulse.value_or(0.0);
-    if (event.change == Change::closing) {
-      before = impulse;
-      contacts.push_back({event.time, sample.end, 0.0, std::abs(event.velocity), false, true});
-      continue;
-    }
-    if (contacts.empty()) contacts.push_back({.from_start = true});
-    contacts.back().end = event.time;
-    contacts.back().impulse = impulse - before;
-    contacts.back().to_end = false;
-  }
-  if (!contacts.empty() && contacts.back().to_end)
-    contacts.back().impulse = sample.impulse[index_of(end, joint)] - before;
-  return contacts;
-}
 
 // By how much the end moves over the output times within a flight.
 double travel(const Sample& sample, Where end, std::size_t joint, double from, double to) {
@@ -194,32 +134,27 @@ double travel(const Sample& sample, Where end, std::size_t joint, double from, d
 }  // namespace
 
 Changes changes_that_matter(const Sample& sample, Where end, const Resolution& resolution, std::size_t joint) {
+  std::vector<const Event*> here;
+  for (const Event& event : sample.events)
+    if (event.where == end && (joint == 0 || event.node == joint)) here.push_back(&event);
   // A flight that is too low makes one contact of its neighbours.
-  std::vector<Contact> merged;
-  for (const Contact& next : contacts_of(sample, end, joint)) {
-    const double flight = merged.empty() ? 0.0 : next.begin - merged.back().end;
-    const bool high = merged.empty() || flight * next.closing_speed >= resolution.height ||
-                      travel(sample, end, joint, merged.back().end, next.begin) >= resolution.height;
-    if (merged.empty() || (high && flight >= resolution.duration)) {
-      merged.push_back(next);
-      continue;
-    }
-    Contact& one = merged.back();
-    one.end = next.end;
-    one.impulse += next.impulse;
-    one.to_end = next.to_end;
-  }
+  const auto low = [&](const Touch& one, const Touch& next) {
+    const double from = one.end(sample.end), flight = next.begin() - from;
+    const bool high = flight * std::abs(next.closing->velocity) >= resolution.height ||
+                      travel(sample, end, joint, from, next.begin()) >= resolution.height;
+    return !high || flight < resolution.duration;
+  };
   Changes changes;
-  const double speed = sample.speed[index_of(end, joint)];
-  for (const Contact& contact : merged) {
-    if (std::abs(contact.impulse) < resolution.height * resolution.impedance ||
-        contact.end - contact.begin < resolution.duration)
+  const std::size_t index = index_of(end, joint);
+  for (const Touch& touch : touches(here, low)) {
+    const double begin = touch.begin(), until = touch.end(sample.end), rest = sample.end - until;
+    if (std::abs(touch.impulse(sample.impulse[index])) < resolution.height * resolution.impedance ||
+        until - begin < resolution.duration)
       continue;
-    if (changes.times.empty()) changes.first_closes = !contact.from_start;
-    if (!contact.from_start) changes.times.push_back(contact.begin);
-    const double rest = sample.end - contact.end;
-    if (!contact.to_end && rest >= resolution.duration && rest * speed >= resolution.height)
-      changes.times.push_back(contact.end);
+    if (changes.times.empty()) changes.first_closes = touch.closing != nullptr;
+    if (touch.closing) changes.times.push_back(begin);
+    if (touch.opening && rest >= resolution.duration && rest * sample.speed[index] >= resolution.height)
+      changes.times.push_back(until);
   }
   return changes;
 }
@@ -234,12 +169,10 @@ struct Place {
 
 std::vector<Place> places_of(const Sample& sample, Goal of) {
   const std::vector<double>& x = sample.x;
-  if (of != Goal::displacement)
-    return {{0, x.front()}, {std::max<std::size_t>(1, sample.members.size()) - 1, x.back()}};
+  if (of != Goal::displacement) return {{0, x.front()}, {sample.members.size() - 1, x.back()}};
   std::vector<Place> places;
   for (std::size_t i = 0, member = 0; i < x.size(); ++i) {
-    while (!sample.members.empty() && i >= sample.members[member].end)
-      ++member;  // a node that two have is the left one's
+    while (i >= sample.members[member].end) ++member;  // a node that two have is the left one's
     places.push_back({member, x[i]});
   }
   return places;
@@ -259,7 +192,7 @@ Values at_places(const Sample& sample, const std::vector<Place>& places, std::si
   const std::size_t count = places.size(), width = sample.x.size();
   std::vector<Interpolant> rules;
   for (const auto& [member, x] : places) {
-    const auto [first, end] = sample.members.empty() ? Sample::Range{0, sample.x.size()} : sample.members[member];
+    const auto [first, end] = sample.members[member];
     rules.push_back(interpolant_or_node(std::span(sample.x).subspan(first, end - first), x));
     rules.back().begin += first;
   }
@@ -328,6 +261,13 @@ SameChanges compare_changes(const Sample& coarse, const Sample& fine, const Reso
     if (a.times.size() != b.times.size() || a.first_closes != b.first_closes) result.same = false;
   });
   return result;
+}
+
+double largest(const Sample& sample, Goal of) {
+  if (of == Goal::contact_times) return sample.events.empty() ? sample.end : sample.events.back().time;
+  double largest = 0.0;
+  compare({&sample}, of, {}, [&](const auto& u) { largest = u[0].abs().maxCoeff(); });
+  return largest;
 }
 
 double difference(const Sample& coarse, const Sample& fine, Goal of, const Resolution& resolution) {

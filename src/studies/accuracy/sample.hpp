@@ -7,7 +7,7 @@
 
 #include "studies/run_limits.hpp"
 #include "viscobar/case/accuracy.hpp"
-#include "viscobar/case/recording.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar::accuracy {
 
@@ -16,20 +16,20 @@ std::size_t fewest_in_a_bar(const Case& run);
 /// The case on the same mesh, whose elements are those of its bars: their multiples have all nodes of it.
 Case on_its_mesh(Case run);
 
-/// Data of a run for all goals: the field at some nodes and output times, the ends, the contacts.
+/// Data of a run for all goals: the field at some nodes and times, the ends, the contacts.
 struct Sample {
   struct Range {
     std::size_t begin, end;
   };
   std::vector<double> x;               ///< places that are kept
-  std::vector<Range> members;          ///< places of each member of a chain; two have one where they are bonded
-  std::vector<double> times;           ///< that are kept, K
+  std::vector<Range> members;          ///< places of the bar, or of each of a chain; two have one where they are bonded
+  std::vector<double> times;           ///< K
   std::vector<double> u;               ///< of them, K times, row by row
   std::vector<Event> events;           ///< contact changes
   std::vector<double> impulse;         ///< of both ends, and of the joints of a chain
   std::vector<double> peak;            ///< max |R| of them
   std::vector<double> speed;           ///< max |v| of both ends at the output times, of joints that of its sides apart
-  std::vector<double> end_velocities;  ///< of both ends at the times that are kept, 2 K
+  std::vector<double> end_velocities;  ///< of both ends, 2 K
   Statistics statistics;               ///< of the run
   double end = 0.0;                    ///< T
 
@@ -45,12 +45,12 @@ struct Sample {
 /// it.
 std::vector<double> times_of_errors(double end);
 
-/// Collects a sample while a run goes on. Of a run with many nodes and times it keeps some: each 2^k-th node, so that
-/// those of a mesh with half as many elements are among those of the finer one, and each n-th time.
+/// Collects a sample while a run goes on. Of a run with many nodes it keeps each 2^k-th one, so that those of a mesh
+/// with half as many elements are among those of the finer one.
 class Probe {
  public:
-  /// `times`: how many there will be; absent: the output times.
-  explicit Probe(const Case& run, std::optional<std::size_t> times = {});
+  /// `times`: how many there will be.
+  Probe(const Case& run, std::size_t times);
 
   void add(const Snapshot& snapshot);
   void add(const Event& event) { sample_.events.push_back(event); }
@@ -58,15 +58,12 @@ class Probe {
   Sample take(const Statistics& statistics);
 
  private:
-  std::size_t node_stride_ = 1, time_stride_ = 1, seen_ = 0;
+  std::size_t node_stride_ = 1;
   Sample sample_;
 };
 
 /// Runs a case in memory; peaks of reactions are 0 unless they are asked for. @throws as simulate_within()
 Sample sample_of(const Case& run, std::span<const double> times, const RunLimits& limits = {}, bool peaks = false);
-
-/// Sample of a recording with its account: that of a probe in the same run.
-Sample sample_of(const Case& run, const Recording& recording);
 
 /// The largest value of the goal.
 double largest(const Sample& sample, Goal of);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 
 #include "studies/compare/matching.hpp"
+#include "studies/touch.hpp"
 
 namespace viscobar {
 
@@ -91,51 +91,37 @@ double h1_seminorm(const Mesh& mesh, std::span<const double> nodal) {
   return std::sqrt(sum / mesh.spacing());
 }
 
-// Where the run kept no account, by the trapezoidal rule over the recording's times.
+// Where the run kept no account, impulses are by the trapezoidal rule over the recording's times.
 std::vector<ContactPeriod> contact_periods(const Recording& recording, double merge) {
+  const std::vector<double>& times = recording.times;
+  std::map<Place, std::vector<const Event*>> places;
+  for (const Event& event : recording.events) places[{event.where, event.node}].push_back(&event);
+  const auto close = [merge](const Touch& one, const Touch& next) {
+    return one.closing && next.begin() - one.end(one.begin()) < merge;
+  };
+  std::vector<Touch> all;
+  for (const auto& [place, changes] : places)
+    for (const Touch& touch : touches(changes, close))
+      if (touch.closing) all.push_back(touch);
+  std::ranges::sort(all, {}, &Touch::closing);
   std::vector<ContactPeriod> periods;
-  std::vector<std::optional<double>> before;  // impulse of the reaction until a period begins
-  std::map<Place, std::size_t> latest;        // period of a place that may go on
-  std::set<Place> closed;
-  for (const Event& event : recording.events) {
-    const Place place{event.where, event.node};
-    const auto found = latest.find(place);
-    if (event.change == Change::opening) {
-      closed.erase(place);
-      if (found == latest.end()) continue;
-      ContactPeriod& period = periods[found->second];
-      period.end = event.time;
-      if (event.impulse) period.impulse = *event.impulse - before[found->second].value_or(0.0);
-      continue;
-    }
-    closed.insert(place);
-    if (found != latest.end() && event.time - periods[found->second].end < merge) {
-      ++periods[found->second].bounces;
-    } else {
-      latest[place] = periods.size();
-      periods.push_back({event.where, event.node, event.time, event.time, std::nullopt, 1});
-      before.push_back(event.impulse);
-    }
-  }
-  if (!recording.times.empty())
-    for (const Place& place : closed) {
-      const std::size_t index = latest.at(place);
-      ContactPeriod& period = periods[index];
-      period.end = recording.times.back();
-      const auto& account = recording.statistics.account;
-      if (!account || !before[index]) continue;
-      const double impulse = period.where == Where::joint  ? account->joints.at(period.node - 1).impulse
-                             : period.where == Where::left ? account->left.impulse
-                                                           : account->right.impulse;
-      period.impulse = impulse - *before[index];
-    }
-  for (std::size_t k = 0; k < periods.size(); ++k) {
-    ContactPeriod& period = periods[k];
-    const auto& reaction = period.where == Where::left ? recording.reaction_left : recording.reaction_right;
-    const auto inside = std::ranges::upper_bound(recording.times, period.begin);
-    if (before[k] || inside == recording.times.end() || *inside >= period.end) continue;
-    if ((period.where == Where::left || period.where == Where::right) && !reaction.empty())
-      period.impulse = integral(recording.times, reaction, period.begin, period.end);
+  for (const Touch& touch : all) {
+    const Event& closing = *touch.closing;
+    const double begin = closing.time, end = touch.end(times.empty() ? begin : times.back());
+    ContactPeriod& period =
+        periods.emplace_back(ContactPeriod{closing.where, closing.node, begin, end, std::nullopt, touch.bounces});
+    const auto& account = recording.statistics.account;
+    const bool left = closing.where == Where::left;
+    if (touch.opening ? touch.opening->impulse.has_value() : account && closing.impulse)
+      period.impulse = touch.impulse(touch.opening                   ? 0.0
+                                     : closing.where == Where::joint ? account->joints.at(closing.node - 1).impulse
+                                     : left                          ? account->left.impulse
+                                                                     : account->right.impulse);
+    const std::vector<double>& reaction = left ? recording.reaction_left : recording.reaction_right;
+    const auto inside = std::ranges::upper_bound(times, begin);
+    if (closing.impulse || inside == times.end() || *inside >= end) continue;
+    if ((left || closing.where == Where::right) && !reaction.empty())
+      period.impulse = integral(times, reaction, begin, end);
   }
   return periods;
 }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "studies/compare/matching.hpp"
+#include "studies/touch.hpp"
 #include "viscobar/studies/compare/difference.hpp"
 #include "viscobar/studies/fit/fit.hpp"
 
@@ -28,26 +29,24 @@ struct Spot {
   std::vector<double> own_clearance = {}, their_clearance = {};
 };
 
-// Times from `begin` to `end` in which a node of the obstacle is in contact, flights shorter than `merge` left out.
-Periods periods_of(std::span<const Event> all, Where where, double begin, double end, double merge) {
-  Recording changes;
-  changes.times = {begin, end};
+// Times from `begin` to `end` in which a node of the obstacle, or the joint, is in contact, flights shorter than
+// `merge` left out.
+Periods periods_of(std::span<const Event> all, Where where, std::size_t joint, double begin, double end, double merge) {
+  std::vector<const Event*> changes;  // of the nodes as one
   std::set<std::size_t> closed;
-  for (Event event : all) {
-    if (event.where != where || event.time > end) continue;
-    const bool closes = event.change == Change::closing, flies = closed.empty();
+  for (const Event& event : all) {
+    if (event.where != where || event.time > end || (joint > 0 && event.node != joint)) continue;
+    const bool flew = closed.empty(), closes = event.change == Change::closing;
     if (closes)
       closed.insert(event.node);
     else
       closed.erase(event.node);
-    if (closes ? !flies : !closed.empty()) continue;
-    if (!closes && changes.events.empty()) changes.events.push_back({0.0, where});  // in contact from the start
-    event.node = 0;
-    changes.events.push_back(event);
+    if (closes ? flew : closed.empty()) changes.push_back(&event);
   }
-  Periods periods = contact_periods(changes, merge);
-  std::erase_if(periods, [begin](const ContactPeriod& period) { return period.end < begin; });
-  for (ContactPeriod& period : periods) period.begin = std::max(period.begin, begin), period.bounces = 1;
+  const auto close = [&](const Touch& one, const Touch& next) { return next.begin() - one.end(end) < merge; };
+  Periods periods;
+  for (const Touch& touch : touches(changes, close))
+    if (touch.end(end) >= begin) periods.push_back({.begin = std::max(begin, touch.begin()), .end = touch.end(end)});
   return periods;
 }
 
@@ -169,11 +168,7 @@ void judge_contacts(JudgedSolution& judged, const TheirSolution& theirs, const C
   const auto spot_of = [&](Where where, std::size_t joint = 0) {
     Spot spot{.at = {.where = where}};
     if (joint > 0) spot.at.place = static_cast<double>(joint);
-    const auto periods = [&](std::span<const Event> all) {
-      std::vector<Event> here(all.begin(), all.end());
-      std::erase_if(here, [joint](const Event& event) { return joint > 0 && event.node != joint; });
-      return periods_of(here, where, begin, end, merge);
-    };
+    const auto periods = [&](std::span<const Event> all) { return periods_of(all, where, joint, begin, end, merge); };
     spot.own = periods(ours.changes);
     spot.coarser = periods(ours.coarser);
     if (theirs.changes) spot.theirs = periods(*theirs.changes);

@@ -19,7 +19,6 @@ constexpr double lowest_order = 0.1, highest_order = 4.0;
 /// The case whose solution the penalised ones tend to.
 Case limit_case(const LimitStudy& study, const LimitOrders& orders, bool rigid) {
   Case run = study.scene;
-  run.directions.clear();
   run.elements = orders.elements;
   run.mass = common_mass(run);
   run.method = rigid ? MethodName::rigid : MethodName::fully_discrete;

@@ -30,13 +30,11 @@ namespace {
 
 /// Another law of impact, as far from the case's own as there is.
 Case with_other_law(Case run) {
-  run.directions.clear();
   run.restitution = run.restitution.value_or(1.0) > 0.5 ? 0.0 : 1.0;
   return run;
 }
 
 Case without_obstacles(Case run) {
-  run.directions.clear();
   if (is_obstacle(run.scene.left)) run.scene.left = Free{};
   if (is_obstacle(run.scene.right)) run.scene.right = Free{};
   run.scene.span.reset();
@@ -89,10 +87,10 @@ Judgement judge_mesh(MeshRuns& mesh, const LimitStudy& study, Purse& purse, std:
   };
   for (const Run* run : told) traces.penalised.add(*run->run.epsilon, seen(run->traces));
   for (const Run& run : mesh.scheme) traces.scheme.add(*run.run.step, seen(run.traces));
-  const auto limit_trace = [&](const KnownLimit* limit) {
-    if (!limit) return std::optional<LimitTrace>();
+  const auto limit_trace = [&](const KnownLimit* limit) -> std::optional<LimitTrace> {
+    if (!limit) return std::nullopt;
     const EndTraces& run = seen(limit->run.traces);
-    return std::optional(LimitTrace{run, until ? limit_error(run, seen(limit->rough.traces)) : limit->error});
+    return LimitTrace{run, limit_error(run, seen(limit->rough.traces))};
   };
   traces.scheme_limit = limit_trace(mesh.scheme_limit());
   traces.own_limit = limit_trace(mesh.own_limit());
@@ -338,6 +336,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.lacking_seconds = mesh.lacking_seconds;
   orders.scheme_error = mesh.judgement.scheme_error;
   const KnownLimit *own = mesh.own_limit(), *other = mesh.scheme_limit();
+  const double own_error = own ? own->error() : 0.0, other_error = other ? other->error() : 0.0;
   Sequence steps;
   for (std::size_t i = 0; i < mesh.scheme.size(); ++i) {
     const Run& run = mesh.scheme[i];
@@ -349,7 +348,7 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     row.seconds = run.seconds;
     for (const Run& penalised : mesh.penalised)
       if (penalised.complete) row.differences.push_back(largest_difference(penalised.traces, run.traces));
-    if (other) steps.add(row.step, *row.distance, other->error);
+    if (other) steps.add(row.step, *row.distance, other_error);
     orders.largest = std::max(orders.largest, largest_displacement(run.traces));
   }
   orders.of_step = steps.order();
@@ -363,8 +362,8 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   for (const LimitRow& row : rows) {
     penetration.add(row.epsilon, row.max_penetration, 0.01 * orders.tolerance_error);
     to_scheme.add(row.epsilon, row.difference_to_scheme, s);
-    if (other) to_rigid.add(row.epsilon, *row.difference_to_rigid, other->error + 0.1 * orders.tolerance_error);
-    if (own) to_own.add(row.epsilon, *row.difference_to_own_limit, own->error + 0.1 * orders.tolerance_error);
+    if (other) to_rigid.add(row.epsilon, *row.difference_to_rigid, other_error + 0.1 * orders.tolerance_error);
+    if (own) to_own.add(row.epsilon, *row.difference_to_own_limit, own_error + 0.1 * orders.tolerance_error);
   }
   // Chatter that is out of step with the limit has powers of its own, and two of them may agree by chance.
   const auto in_step = [&](const std::optional<SequenceOrder>& order) {
@@ -399,12 +398,13 @@ LimitResult limit_of(const LimitStudy& study) {
 
   Purse purse(study);
   LimitResult result;
-  std::vector<KnownMesh> known;
+  std::vector<MeshRuns> runs;
+  runs.reserve(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     Case probe = study.scene;
     probe.elements = meshes[m];
-    MeshRuns mesh =
-        runs_of(study, meshes[m], study.steps.empty() ? resolve(std::move(probe)).step : study.steps[m], purse);
+    MeshRuns& mesh = runs.emplace_back(
+        runs_of(study, meshes[m], study.steps.empty() ? resolve(std::move(probe)).step : study.steps[m], purse));
     decide(mesh, study, purse);
     refine_scheme(mesh, study, purse);
     const std::size_t first = result.rows.size();
@@ -415,10 +415,9 @@ LimitResult limit_of(const LimitStudy& study) {
     orders.interrupted = purse.interrupted();
     orders.seconds = purse.spent();
     result.orders.push_back(orders);
-    if (meshes.size() > 1 && mesh.own_limit() && mesh.scheme_limit())
-      known.push_back({mesh.times, mesh.own_limit()->run.traces, mesh.scheme_limit()->run.traces});
+    mesh.penalised.clear(), mesh.scheme.clear();  // from here on the limits are enough
   }
-  result.own_motion = own_motion_of(study, result, known, purse);
+  result.own_motion = own_motion_of(study, result, runs, purse);
   return result;
 }
 

@@ -44,6 +44,8 @@ std::size_t intervals(const Case& run) {
   return static_cast<std::size_t>(std::clamp(2.0 * transits, 2000.0, 20000.0));
 }
 
+void set_tolerance(Run& run, double relative) { run.run.tolerance = run.run.tolerance.with_relative(relative); }
+
 std::optional<KnownLimit> limit_of(Case run, std::optional<double> restitution) {
   run.method = MethodName::rigid;
   run.restitution = restitution;
@@ -51,17 +53,12 @@ std::optional<KnownLimit> limit_of(Case run, std::optional<double> restitution) 
   return KnownLimit{{run}, {run}};
 }
 
-void trace(KnownLimit& limit, std::span<const double> times, Purse& purse) {
-  if (limit.rough.trace(times, purse) && limit.run.trace(times, purse))
-    limit.error = limit_error(limit.run.traces, limit.rough.traces);
-}
-
-void each(std::span<Run* const> runs, const LimitStudy& study, Purse& purse, const auto& work) {
+void each(const auto& runs, const LimitStudy& study, Purse& purse, const auto& work) {
   purse.expect(runs.size());
   parallel_for(
       runs.size(),
       [&](std::size_t k) {
-        if (!purse.empty() && !runs[k]->error) work(*runs[k]);
+        if (!purse.empty()) work(*runs[k]);
         purse.done();
       },
       study.threads);
@@ -77,6 +74,7 @@ double step_seconds(const Case& run) {
 }
 
 bool Run::trace(std::span<const double> times, Purse& purse) {
+  if (error) return false;
   const unsigned seldom = run.elements < 1000 ? 128 : 1;  // looking at the clock takes as long as a short step
   const Stopwatch watch;  // the runs that a budget allows do not depend on other load of the machine
   seconds = 0.0;
@@ -154,7 +152,7 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   if (limits.empty())
     for (const Run& run : mesh.penalised) scouts.push_back(&of_rows.emplace_back(Run{run.run}));
   else
-    for (Run* scout : scouts) scout->run.tolerance = first.tolerance.with_relative(roughest);
+    for (Run* scout : scouts) set_tolerance(*scout, roughest);
   const std::array all{0.0, first.end};
   const double begun = purse.spent();
   each(scouts, study, purse, [&](Run& run) {
@@ -168,14 +166,13 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   }
   const double tolerance = scouted ? tolerance_of(study, first, most_steps, scouts.front()->run.tolerance.relative)
                                    : first.tolerance.relative;
-  const auto set = [&](Run& run, double relative) { run.run.tolerance = run.run.tolerance.with_relative(relative); };
-  for (Run& run : mesh.penalised) set(run, tolerance);
+  for (Run& run : mesh.penalised) set_tolerance(run, tolerance);
   std::vector<Run*> again;  // a bounce is over before a rough time of its impact
   for (KnownLimit* limit : limits) {
     // Chatter has the more bounces the tighter the tolerance: it begins with a rough one.
     const bool chatters = mesh.of_penalty && limit == &*mesh.of_penalty;
-    set(limit->run, chatters ? std::max(tolerance, 1e-9) : tolerance);
-    set(limit->rough, std::min(of_limits * limit->run.run.tolerance.relative, 1e-4));
+    set_tolerance(limit->run, chatters ? std::max(tolerance, 1e-9) : tolerance);
+    set_tolerance(limit->rough, std::min(of_limits * limit->run.run.tolerance.relative, 1e-4));
     if (limit->rough.run.tolerance.relative < roughest) again.push_back(&limit->rough);
   }
   each(again, study, purse, [&](Run& run) { run.trace(all, purse); });
@@ -186,14 +183,9 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
   }
   mesh.times = comparison_times(first.end, intervals(first), changes);
 
-  purse.expect(limits.size());
-  parallel_for(
-      limits.size(),
-      [&](std::size_t k) {
-        if (!limits[k]->rough.error) trace(*limits[k], mesh.times, purse);
-        purse.done();
-      },
-      study.threads);
+  each(limits, study, purse, [&](KnownLimit& limit) {
+    if (limit.rough.trace(mesh.times, purse)) limit.run.trace(mesh.times, purse);
+  });
   if (mesh.of_scheme && massless)
     for (const Run* run : {&mesh.of_scheme->rough, &mesh.of_scheme->run})
       if (run->error) throw *run->error;
@@ -239,21 +231,16 @@ bool tighten(MeshRuns& mesh, Purse& purse) {
   bool changed = false;
   for (auto* limit : {&mesh.of_scheme, &mesh.of_penalty}) {
     if (!*limit || !(*limit)->known() || (*limit)->run.run.tolerance.relative <= 1e-12) continue;
-    KnownLimit next = **limit;
     const double grows = std::max(1.0, (*limit)->run.seconds / std::max((*limit)->rough.seconds, 1e-6));
     if (!purse.allows(grows * (*limit)->run.seconds, false)) {
       mesh.lacking_seconds = grows * (*limit)->run.seconds;
       continue;
     }
-    next.rough = next.run;
-    next.run.complete = false;
-    next.run.run.tolerance =
-        next.run.run.tolerance.with_relative(std::max(1e-13, next.run.run.tolerance.relative / of_limits));
-    if (next.run.trace_one_more(mesh.times, purse)) {
-      next.error = limit_error(next.run.traces, next.rough.traces);
-      **limit = std::move(next);
-      changed = true;
-    }
+    KnownLimit next{.run = {(*limit)->run.run}, .rough = (*limit)->run};
+    set_tolerance(next.run, std::max(1e-13, next.run.run.tolerance.relative / of_limits));
+    if (!next.run.trace_one_more(mesh.times, purse)) continue;
+    *limit = std::move(next);
+    changed = true;
   }
   return changed;
 }

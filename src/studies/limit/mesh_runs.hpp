@@ -60,6 +60,9 @@ class Purse {
   std::size_t done_ = 0, all_ = 0;
 };
 
+/// Error of a limit `run`, by the same run with a hundredfold tolerance, `rough`.
+double limit_error(const EndTraces& run, const EndTraces& rough);
+
 /// A run of a study, its traces or why there are none.
 struct Run {
   Case run;
@@ -68,7 +71,8 @@ struct Run {
   double seconds = 0.0;
   bool complete = false;
 
-  /// Stops where the purse is empty; whether it came to its end. Errors of the integration are kept.
+  /// Stops where the purse is empty; true if it came to its end. Errors of the integration are kept, and no run is made
+  /// after one.
   bool trace(std::span<const double> times, Purse& purse);
   /// The same of one that nobody expected.
   bool trace_one_more(std::span<const double> times, Purse& purse) {
@@ -79,12 +83,12 @@ struct Run {
   }
 };
 
-/// Limit of a sequence by the method `rigid`. Its error is the change by a hundredfold tolerance.
+/// Limit of a sequence by the method `rigid`: a run, and the same with a hundredfold tolerance, which tells its error.
 struct KnownLimit {
   Run run, rough;
-  double error = 0.0;
 
   bool known() const { return run.complete && rough.complete; }
+  double error() const { return limit_error(run.traces, rough.traces); }
 };
 
 /// The runs of one mesh. Those that a verdict asks for come later, so that references to the others must stay valid.
@@ -109,8 +113,6 @@ struct MeshRuns {
   double step() const { return *scheme.back().run.step; }
 };
 
-/// Error of a limit `run`, by the same run with a hundredfold tolerance, `rough`.
-double limit_error(const EndTraces& run, const EndTraces& rough);
 /// Beginning of traces on these times, up to `until`.
 EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until);
 
@@ -130,14 +132,8 @@ bool tighten(MeshRuns& mesh, Purse& purse);
 /// The row of a penalised run, its distance to the scheme apart.
 LimitRow row_of(const MeshRuns& mesh, const Run& penalised);
 
-/// The limits of a mesh, kept for the bar's own motion.
-struct KnownMesh {
-  std::vector<double> times;
-  EndTraces own, scheme;
-};
-
 /// Absent for fewer than three meshes, where a limit is not known, or the budget is spent.
 std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResult& result,
-                                       std::span<const KnownMesh> known, Purse& purse);
+                                       std::span<const MeshRuns> meshes, Purse& purse);
 
 }  // namespace viscobar::limit

@@ -22,8 +22,9 @@ Case own_motion_case(const LimitStudy& study, std::size_t elements) {
 }  // namespace
 
 std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResult& result,
-                                       std::span<const KnownMesh> known, Purse& purse) {
-  if (known.size() < 3 || known.size() != result.orders.size()) return std::nullopt;
+                                       std::span<const MeshRuns> meshes, Purse& purse) {
+  const auto known = [](const MeshRuns& mesh) { return mesh.own_limit() && mesh.scheme_limit(); };
+  if (meshes.size() < 3 || !std::ranges::all_of(meshes, known)) return std::nullopt;
   std::size_t finest = 0;
   for (const LimitOrders& orders : result.orders) finest = std::max(finest, orders.elements);
   OwnMotion motion;
@@ -33,16 +34,16 @@ std::optional<OwnMotion> own_motion_of(const LimitStudy& study, const LimitResul
                          ? "characteristics"
                          : "the mass fourth_order on " + std::to_string(fine.run.elements) + " elements";
   Sequence penalty, scheme, apart;
-  for (std::size_t m = 0; m < known.size(); ++m) {
-    const KnownMesh& mesh = known[m];
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const MeshRuns& mesh = meshes[m];
     const LimitOrders& orders = result.orders[m];
     if (!fine.trace(mesh.times, purse) || !half.trace(mesh.times, purse)) return std::nullopt;
     motion.error = std::max(motion.error, largest_difference(fine.traces, half.traces));
     OwnMotion::Mesh& row = motion.meshes.emplace_back();
     row.elements = orders.elements;
     row.spacing = study.scene.scene.bar.length / static_cast<double>(orders.elements);
-    row.penalty = largest_difference(mesh.own, fine.traces);
-    row.scheme = largest_difference(mesh.scheme, fine.traces);
+    row.penalty = largest_difference(mesh.own_limit()->run.traces, fine.traces);
+    row.scheme = largest_difference(mesh.scheme_limit()->run.traces, fine.traces);
     row.apart = orders.evidence.apart.value_or(0.0);
     Sequence epsilons, steps;
     for (const LimitRow& at : std::span(result.rows).subspan(orders.first_row, orders.row_count))

@@ -69,7 +69,7 @@ Continuous refine(const Case& scene, std::span<const Mesh> meshes, std::size_t e
       if (!result.fields.empty()) {
         difference = 0.0;
         for (std::size_t m = 0; m < meshes.size(); ++m)
-          difference = std::max(difference, distance(result.fields[m], fields[m]));
+          difference = std::max(difference, largest_difference(result.fields[m], fields[m]));
         reference.levels.back().difference = difference;
       }
       result.fields = std::move(fields);

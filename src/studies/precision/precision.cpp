@@ -68,8 +68,9 @@ void measure_errors(const PrecisionStudy& study, Timed& timed, const References&
   std::size_t k = 0;
   Observers observers;
   observers.snapshot = [&](const Snapshot& now) {
-    if (k > 0 && exact) row.error = std::max(*row.error, distance(now.u, exact->at(k)));
-    if (k > 0 && semi_discrete) row.time_error = std::max(*row.time_error, distance(now.u, semi_discrete->at(k)));
+    if (k > 0 && exact) row.error = std::max(*row.error, largest_difference(now.u, exact->at(k)));
+    if (k > 0 && semi_discrete)
+      row.time_error = std::max(*row.time_error, largest_difference(now.u, semi_discrete->at(k)));
     ++k;
   };
   try {

@@ -51,27 +51,20 @@ double finer_than(const Timed& timed, double seconds) {
 
 /// The problems of the rows, each to be solved finer than the finest row of it.
 std::map<System, Fineness> problems_of(std::span<const Timed> rows, double seconds) {
-  constexpr double unset = std::numeric_limits<double>::infinity();
-  std::map<System, Fineness> smallest, problems;
-  const auto each = [&](auto visit) {
-    for (const Timed& timed : rows)
-      if (timed.row.failure.empty()) visit(timed, system_of(resolve(timed.run)));
-  };
-  const auto lower = [](Fineness& fineness, MethodName method, double setting) {
-    if (is_adaptive(method)) fineness.tolerance = std::min(fineness.tolerance, setting);
-    if (is_scheme(method)) fineness.step = std::min(fineness.step, setting);
-  };
-  each([&](const Timed& timed, const System& system) {
-    problems.try_emplace(system, Fineness{unset, unset});
-    lower(smallest.try_emplace(system, Fineness{unset, unset}).first->second, timed.row.method, timed.row.setting);
-  });
-  each([&](const Timed& timed, const System& system) {
-    const Fineness& last = smallest.at(system);
-    if (timed.row.setting == (is_scheme(timed.row.method) ? last.step : last.tolerance))
-      lower(problems.at(system), timed.row.method, finer_than(timed, seconds));
-  });
-  for (auto& [system, fineness] : problems)
-    if (fineness.tolerance == unset) fineness.tolerance = Fineness{}.tolerance;
+  using Finest = std::pair<double, double>;          // setting of a row, and that of its reference
+  std::map<std::pair<System, bool>, Finest> finest;  // the latter: of schemes
+  std::map<System, Fineness> problems;
+  for (const Timed& timed : rows) {
+    if (!timed.row.failure.empty()) continue;
+    const bool scheme = is_scheme(timed.row.method);
+    const System system = system_of(resolve(timed.run));
+    Fineness& fineness = problems[system];
+    if (!scheme && !is_adaptive(timed.row.method)) continue;
+    const Finest own{timed.row.setting, finer_than(timed, seconds)};
+    Finest& least = finest.try_emplace({system, scheme}, own).first->second;
+    least = std::min(least, own);
+    (scheme ? fineness.step : fineness.tolerance) = least.second;
+  }
   for (const auto& [system, fineness] : std::map(problems))
     if (penalised(system)) {
       problems.try_emplace(softer(system), fineness);
@@ -138,13 +131,13 @@ ErrorParts References::parts(const Timed& timed) const {
   parts.time_reference_error = found->second.error;
   const Field* exact_field = exact(timed.run);
   const auto measure_space = [&](const Field& limit) {
-    if (exact_field) parts.space = distance(limit, *exact_field);
+    if (exact_field) parts.space = largest_difference(limit, *exact_field);
   };
   if (!penalised(own)) {
     measure_space(*field(own));
   } else if (const auto limit = penalty_limit(own, parts)) {
     measure_space(*limit);
-    parts.penalty = distance(*field(own), *limit);
+    parts.penalty = largest_difference(*field(own), *limit);
   }
   return parts;
 }
@@ -168,9 +161,9 @@ std::optional<Field> References::penalty_limit(const System& own, ErrorParts& pa
   // Differences to the limit itself fall with its power, and so do those between neighbours.
   Sequence differences;
   differences.within = Sequence::by_few;
-  differences.add(10.0, distance(*soft, rigid ? *last : *here), parts.time_reference_error);
-  differences.add(1.0, distance(*here, rigid ? *last : *next), parts.time_reference_error);
-  differences.add(0.1, distance(*next, *last), parts.time_reference_error);
+  differences.add(10.0, largest_difference(*soft, rigid ? *last : *here), parts.time_reference_error);
+  differences.add(1.0, largest_difference(*here, rigid ? *last : *next), parts.time_reference_error);
+  differences.add(0.1, largest_difference(*next, *last), parts.time_reference_error);
   const auto order = differences.order();
   if (!order) return *last;
   parts.penalty_order = order->order;

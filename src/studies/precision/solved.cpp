@@ -58,15 +58,9 @@ Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const dou
   return field;
 }
 
-double distance(std::span<const double> a, std::span<const double> b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  return largest;
-}
-
-double distance(const Field& a, const Field& b) {
+double largest_difference(const Field& a, const Field& b) {
   const std::size_t start = a.mesh.nodes();
-  return distance(std::span(a.u).subspan(start), std::span(b.u).subspan(start));
+  return viscobar::largest_difference(std::span(a.u).subspan(start), std::span(b.u).subspan(start));
 }
 
 Field extrapolated(const Field& fine, const Field& coarse, double ratio) {
@@ -121,12 +115,13 @@ SemiDiscrete limit_of_steps(const std::vector<Case>& runs, const Mesh& mesh, con
   for (const Case& run : runs) fields.push_back(field_of(run, mesh, limits));
   Sequence changes;
   changes.within = Sequence::by_few;
-  for (std::size_t i = fields.size(); i-- > 1;) changes.add(*runs[i].step, distance(fields[i - 1], fields[i]), 0.0);
+  for (std::size_t i = fields.size(); i-- > 1;)
+    changes.add(*runs[i].step, largest_difference(fields[i - 1], fields[i]), 0.0);
   SemiDiscrete result;
   if (const auto order = changes.order()) {
     const double ratio = std::exp2(std::clamp(order->order, 1.0, 2.0));
     result.field = extrapolated(fields[0], fields[1], ratio);
-    result.error = distance(*result.field, extrapolated(fields[1], fields[2], ratio));
+    result.error = largest_difference(*result.field, extrapolated(fields[1], fields[2], ratio));
     result.what =
         fmt::format("{0} extrapolated from steps {1:.3g}, 2 and 4 times that", name(runs[0].method), *runs[0].step);
   } else {
@@ -173,7 +168,7 @@ SemiDiscrete solve_in_time(const Case& scene, const System& system, const Finene
     try {
       Field field = field_of(run, mesh, limits);
       if (result.field) {
-        result.error = distance(*result.field, field);
+        result.error = largest_difference(*result.field, field);
         result.what += fmt::format(", checked by {}", described(run));
         result.problem.clear();
         return result;

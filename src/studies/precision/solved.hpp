@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "studies/run_limits.hpp"
+#include "viscobar/case/end_traces.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 
 namespace viscobar::precision {
@@ -42,11 +43,9 @@ inline Field field_of(const Case& run, const Mesh& mesh, const RunLimits& limits
 
 Field field_of(const SpaceTimeFunction& u, const Mesh& mesh, std::span<const double> times);
 
-double distance(std::span<const double> a, std::span<const double> b);
-
 /// max over nodes and times after the start, on the same mesh and times. What methods make of initial data that a
 /// massless node contradicts is no error of theirs.
-double distance(const Field& a, const Field& b);
+double largest_difference(const Field& a, const Field& b);
 
 /// fine + (fine - coarse) / (ratio - 1), where the error of `coarse` is `ratio` times that of `fine`.
 Field extrapolated(const Field& fine, const Field& coarse, double ratio);
