@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynamics/contacts.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar {
 

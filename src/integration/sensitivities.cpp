@@ -12,6 +12,7 @@
 
 #include "dynamics/contact_rows.hpp"
 #include "dynamics/indicator.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar {
 

@@ -13,6 +13,7 @@
 #include "integration/stepwise_part.hpp"
 #include "run/framed_parts.hpp"
 #include "run/step_failure.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar {
 
