@@ -11,7 +11,7 @@
 
 #include "dynamics/energy_terms.hpp"
 #include "dynamics/impact.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
