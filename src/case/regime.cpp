@@ -9,7 +9,7 @@
 
 #include "case/chatter.hpp"
 #include "case/method_table.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "dynamics/nodal_load.hpp"
+#include "dynamics/load/nodal_load.hpp"
 
 namespace viscobar {
 

@@ -11,8 +11,8 @@
 
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/indicator.hpp"
+#include "dynamics/load/nodal_moments.hpp"
 #include "dynamics/natural_scales.hpp"
-#include "dynamics/nodal_moments.hpp"
 
 namespace viscobar {
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "dynamics/finite_load.hpp"
-#include "dynamics/moments.hpp"
-#include "dynamics/nodal_load.hpp"
+#include "dynamics/load/moments.hpp"
+#include "dynamics/load/nodal_load.hpp"
 #include "dynamics/pieces.hpp"
 #include "scene/times.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dynamics/energy_terms.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "integration/layout.hpp"
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"

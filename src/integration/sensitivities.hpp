@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dynamics/derivative.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"
 

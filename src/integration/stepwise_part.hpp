@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "integration/contact_changes.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/energy_books.hpp"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "run/notifier.hpp"

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
 

@@ -89,7 +89,7 @@ void StepEnergy::account(std::size_t n, EnergyAccount& energy) {
   const auto p = step_.p(), a = step_.acceleration();
   const auto v = velocity();
   if (system_.bar().damped())
-    energy.dissipated += dt_ * system_.bar().viscosity * bar_.elements().squared_strain_rate(p, -dt_ / 2, a);
+    energy.dissipated += dt_ * system_.bar().viscosity * bar_.squared_strain_rate(p, -dt_ / 2, a);
   if (has_dashpots(system_.supports())) {
     double power = 0.0;
     for (const Support& support : system_.supports())

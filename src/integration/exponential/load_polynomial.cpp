@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar::exponential {

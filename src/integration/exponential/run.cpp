@@ -15,6 +15,7 @@
 #include "dynamics/obstacle_motion.hpp"
 #include "integration/approach.hpp"
 #include "run/step_failure.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar::exponential {
 

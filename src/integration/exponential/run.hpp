@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "integration/contact_watch.hpp"
 #include "integration/exponential/contact_distance.hpp"

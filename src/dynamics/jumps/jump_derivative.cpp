@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "dynamics/derivative.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 
 namespace viscobar {
 

@@ -2,9 +2,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dynamics/initial_state.hpp"
-#include "dynamics/nodal_load.hpp"
-#include "dynamics/nodal_moments.hpp"
+#include "dynamics/assembly/initial_state.hpp"
+#include "dynamics/load/nodal_load.hpp"
+#include "dynamics/load/nodal_moments.hpp"
 #include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/dynamics/bar_system.hpp"

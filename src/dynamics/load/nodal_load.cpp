@@ -1,10 +1,10 @@
-#include "dynamics/nodal_load.hpp"
+#include "dynamics/load/nodal_load.hpp"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 
-#include "dynamics/nodal_moments.hpp"
+#include "dynamics/load/nodal_moments.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

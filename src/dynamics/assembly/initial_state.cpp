@@ -1,11 +1,11 @@
-#include "dynamics/initial_state.hpp"
+#include "dynamics/assembly/initial_state.hpp"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "dynamics/nodal_moments.hpp"
+#include "dynamics/load/nodal_moments.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

@@ -1,4 +1,4 @@
-#include "dynamics/nodal_moments.hpp"
+#include "dynamics/load/nodal_moments.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "dynamics/finite_load.hpp"
-#include "dynamics/moments.hpp"
+#include "dynamics/load/moments.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

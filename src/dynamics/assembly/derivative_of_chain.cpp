@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dynamics/derivative.hpp"
-#include "dynamics/nodal_load.hpp"
+#include "dynamics/load/nodal_load.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

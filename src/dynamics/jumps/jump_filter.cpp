@@ -1,4 +1,4 @@
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
