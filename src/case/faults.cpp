@@ -233,16 +233,16 @@ void check_chain(const Setup& setup, Findings& findings) {
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
-    if (std::holds_alternative<Free>(end) || has_row_at_end(scene, right)) continue;
+    if (std::holds_alternative<Free>(end) || !is_met_at_end(scene, right)) continue;
     const std::string key = right ? "right.kind" : "left.kind";
     if (is_fixed(end))
       findings.report(key,
                       "holds a rigid body that the next bar meets: leave the body out, and make this end an "
                       "obstacle of that bar, with the gap of the joint");
-    else if (run.method == MethodName::rigid)
+    else if (run.method == MethodName::rigid && !has_row_at_end(scene, right))
       findings.report(key,
-                      "is an obstacle for a rigid body alone, which rigid does not take yet; use cvode with a "
-                      "contact.epsilon, or fully_discrete");
+                      "is an obstacle, and so is the other end, for rigid bodies alone between them: rigid cannot tell "
+                      "how they share what holds them; use cvode with a contact.epsilon, or fully_discrete");
     else if (!run.directions.empty())
       findings.report("sensitivity.of", "has no derivatives for an obstacle that a rigid body alone meets");
   }
@@ -275,8 +275,8 @@ void check_chain(const Setup& setup, Findings& findings) {
     if (method == MethodName::rigid && !has_row_at_joint(scene, k))
       findings.report(
           joint_key(k + 1, "kind"),
-          "is between two rigid bodies that meet others, too, which rigid does not take yet; use cvode with a "
-          "contact.epsilon, or fully_discrete");
+          "is between two rigid bodies, and bodies alone lie between it and the obstacles at both ends: rigid cannot "
+          "tell how they share what holds them; use cvode with a contact.epsilon, or fully_discrete");
   }
   check_members(run, findings);
 }
