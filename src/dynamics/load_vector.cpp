@@ -228,6 +228,16 @@ double LoadVector::at(double t, std::size_t unknown) const {
                 acceleration.right * system_.lift_inertia_[1][unknown]);
 }
 
+const std::vector<double>* LoadVector::profile() const {
+  const auto* separable = load_as<BarSystem::SeparableVector>();
+  const bool alone = !system_.varying_forces_ && !system_.moving() && difference_.empty();
+  return separable && alone ? &separable->weighted : nullptr;
+}
+
+double LoadVector::history(double t) const {
+  return history_at(load_as<BarSystem::SeparableVector>()->history, inside(t));
+}
+
 double LoadVector::at_held(double t, bool right) const {
   const double own = distributed(inside(t), right ? system_.mesh().elements : 0);
   if (difference_.empty()) return own;
