@@ -53,33 +53,6 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   return pieces;
 }
 
-namespace {
-
-// True if from that member on to that side rigid bodies in contact end at a bar, or where no obstacle pushes them.
-bool ends_in_row(const Scene& scene, std::size_t member, bool right) {
-  const std::vector<Member>& chain = scene.chain;
-  for (std::size_t m = member; chain[m].rigid(); right ? ++m : --m) {
-    if (m == (right ? chain.size() - 1 : 0)) return !is_obstacle(right ? scene.right : scene.left);
-    if (chain[right ? m : m - 1].joint.kind == JointKind::spring) return true;
-  }
-  return true;
-}
-
-}  // namespace
-
-bool has_row_at_joint(const Scene& scene, std::size_t k) {
-  return ends_in_row(scene, k, false) || ends_in_row(scene, k + 1, true);
-}
-
-bool has_row_at_end(const Scene& scene, bool right) {
-  return scene.chain.empty() || ends_in_row(scene, right ? scene.chain.size() - 1 : 0, !right);
-}
-
-bool is_met_at_end(const Scene& scene, bool right) {
-  const std::size_t last = right ? scene.chain.size() - 1 : 0;
-  return !scene.chain.empty() && scene.chain[last].rigid() && meets_contact(scene, last, !right);
-}
-
 BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
   BandedMatrix whole = assembled(pieces, [&](const Piece& piece) {
     BandedMatrix inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());

@@ -36,14 +36,6 @@ struct Piece {
 /// @throws std::invalid_argument where the mesh is not that of the chain
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh);
 
-/// True if rows tell the force of a rigid contact behind member k: those of rigid bodies, up to a bar or to where
-/// nothing else meets them, to either side. False: obstacles at both ends hold bodies alone between them.
-bool has_row_at_joint(const Scene& scene, std::size_t k);
-/// The same of an obstacle at an end.
-bool has_row_at_end(const Scene& scene, bool right);
-/// True if a rigid body is at that end which the next member meets.
-bool is_met_at_end(const Scene& scene, bool right);
-
 /// rho M of pieces over all nodes, rigid bodies included; the ends marked have no mass where it is redistributed.
 BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless);
 
