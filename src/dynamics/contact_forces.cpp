@@ -42,7 +42,8 @@ std::array<double, 3> reactions(PenalisedSystem& system, double t, std::span<con
   std::optional<RowForces> rows;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const std::size_t node = contacts[i].unknown;
-    const bool left = node == 0 && !bar.left_fixed(), right = node + 1 == bar.size() && !bar.right_fixed();
+    const bool left = node == 0 && !bar.unknowns().left_fixed(),
+               right = node + 1 == bar.size() && !bar.unknowns().right_fixed();
     const bool span = contacts[i].where == Where::span;
     if (!contacts.closed(i) || contacts[i].joint > 0 || !(left || right || span)) continue;
     const double sign = contacts[i].sign;
@@ -95,7 +96,7 @@ double row_reaction(PenalisedSystem& system, std::size_t i, double t, std::span<
   const double sign = contacts[i].sign;
   const double stress = bar.bar().modulus * (sign * u[next] + contacts[i].clearance(contacts.origin().at(next))) +
                         bar.bar().viscosity * sign * w[next];
-  return -stress / bar.stretch_at(node) - sign * system.load().at(node, t);
+  return -stress / bar.elements().stretch_beside(node) - sign * system.load().at(node, t);
 }
 
 double resting_force(PenalisedSystem& system, std::size_t i, double t, std::span<const double> u, std::span<double> w,

@@ -15,8 +15,8 @@ void add_supports(const BarSystem& bar, JointRow& row) {
 // True if a node of contact i is a rigid body that nothing else holds, beyond which lies that element.
 bool is_free_body(const Contacts& contacts, std::size_t i, std::size_t node, std::size_t element) {
   const BarSystem& bar = contacts.bar();
-  if (bar.is_element_of_bar(element)) return false;
-  if (element < bar.mesh().elements && std::isfinite(bar.stretch(element))) return false;
+  if (bar.elements().is_of_bar(element)) return false;
+  if (element < bar.mesh().elements && std::isfinite(bar.elements().stretch(element))) return false;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const bool has_node = contacts[k].unknown == node || (contacts[k].joint > 0 && contacts[k].unknown == node + 1);
     if (k != i && contacts.closed(k) && has_node) return false;
@@ -27,29 +27,29 @@ bool is_free_body(const Contacts& contacts, std::size_t i, std::size_t node, std
 // The row of the node beside contact i alone.
 JointRow row_of_node(const Contacts& contacts, std::size_t i) {
   const BarSystem& bar = contacts.bar();
-  const std::size_t b = contacts[i].unknown, first = bar.first_node();
+  const std::size_t b = contacts[i].unknown, first = bar.unknowns().first_node();
   const bool of_joint = contacts[i].joint > 0, to_right = contacts[i].to_right;
   if (contacts[i].by_law) return {.node = b, .next = b - 1, .beyond = b, .sign = 1.0, .scale = 1.0};
   const std::size_t node = of_joint && !to_right ? b - 1 : b, place = node + first;
   JointRow row{.node = node, .next = node, .beyond = node, .sign = to_right ? 1.0 : -1.0, .scale = 0.0};
   if (!of_joint) row.sign = contacts[i].sign;
-  const BandedMatrix& inertia = bar.inertia();
+  const BandedMatrix& inertia = bar.inertia().matrix();
   row.inertia[0] = inertia.diagonal[node];
   const std::size_t element = to_right ? place : place - 1;
   if (to_right ? place < bar.mesh().elements : place > 0) {
-    const double stiffness = bar.bar().modulus / bar.stretch(element),
-                 viscosity = bar.bar().viscosity / bar.rate_stretch(element);
+    const double stiffness = bar.bar().modulus / bar.elements().stretch(element),
+                 viscosity = bar.bar().viscosity / bar.elements().rate_stretch(element);
     if (to_right ? node + 1 < bar.size() : node > 0) {
       row.stiffness = stiffness, row.viscosity = viscosity;
       row.next = to_right ? node + 1 : node - 1;
       row.beyond = to_right ? std::min(node + 2, bar.size() - 1) : node < 2 ? 0 : node - 2;
     } else {
       row.ground_stiffness = stiffness, row.ground_viscosity = viscosity;
-      row.ground_force = stiffness * bar.wall(to_right).value_or(0.0);
+      row.ground_force = stiffness * bar.unknowns().wall(to_right).value_or(0.0);
     }
   }
-  const bool of_bar = bar.is_element_of_bar(element);
-  row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar.bar().modulus / bar.stretch_at(b);
+  const bool of_bar = bar.elements().is_of_bar(element);
+  row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar.bar().modulus / bar.elements().stretch_beside(b);
   add_supports(bar, row);
   if (!of_bar) return row;
   const std::array<double, 3> one_sided = inertia.one_sided_entries(node, !to_right);
@@ -65,7 +65,7 @@ JointRow row_of_node(const Contacts& contacts, std::size_t i) {
     row.side_drag[k] = weights[k] * side->drag(unknowns[k] + first);
   }
   if (!beside)  // it is held
-    row.ground_force -= weights[1] * side->stiffness(to_right ? place + 1 : place - 1) * *bar.wall(to_right);
+    row.ground_force -= weights[1] * side->stiffness(to_right ? place + 1 : place - 1) * *bar.unknowns().wall(to_right);
   return row;
 }
 
@@ -91,12 +91,12 @@ JointRow joint_row(const Contacts& contacts, std::size_t i) {
 
 std::optional<JointRow> row_of_free_body(const Contacts& contacts, std::size_t i) {
   const BarSystem& bar = contacts.bar();
-  const std::size_t b = contacts[i].unknown, right = b + bar.first_node();
+  const std::size_t b = contacts[i].unknown, right = b + bar.unknowns().first_node();
   std::optional<JointRow> lightest;
   if (!contacts[i].has_body) return lightest;
   for (const bool to_right : {true, false}) {
     const std::size_t node = to_right ? b : b - 1;
-    const double mass = bar.inertia().diagonal[node];
+    const double mass = bar.inertia().matrix().diagonal[node];
     if (!is_free_body(contacts, i, node, to_right ? right : right - 2)) continue;
     if (lightest && lightest->inertia[0] <= mass) continue;
     lightest = JointRow{.node = node,
@@ -127,7 +127,7 @@ double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<con
   }
   if (contacts[i].joint > 0) return joint_row(contacts, i).inertia_times(v);
   const std::size_t end = contacts[i].unknown;
-  const auto inertia = inertia_beside(contacts.bar().inertia(), end);
+  const auto inertia = inertia_beside(contacts.bar().inertia().matrix(), end);
   double sum = inertia[0] * v[neighbour(end)];
   if (inertia[1] != 0.0) sum += inertia[1] * v[end == 0 ? 2 : end - 2];
   return sum;

@@ -15,8 +15,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 // True if the node of a contact to one side of it is the end of a bar, or bonded to one.
 bool is_bar(const BarSystem& bar, const Contact& contact, bool to_right) {
-  const std::size_t right = contact.unknown + bar.first_node(), left = contact.joint > 0 ? 2 : 1;
-  return to_right ? bar.is_element_of_bar(right) : right >= left && bar.is_element_of_bar(right - left);
+  const std::size_t right = contact.unknown + bar.unknowns().first_node(), left = contact.joint > 0 ? 2 : 1;
+  return to_right ? bar.elements().is_of_bar(right) : right >= left && bar.elements().is_of_bar(right - left);
 }
 
 // How many of the two nodes of a joint are such.
@@ -46,13 +46,13 @@ bool has_rows(const BarSystem& bar, const Contact& contact, bool to_right) {
 ContactLaw law_of(const BarSystem& bar, const Contact& contact, const Penalty& penalty) {
   const bool rigid = penalty.epsilon == 0.0;
   if (const auto& stop = bar.stop(contact)) {
-    if (rigid || bar.massless(contact.unknown))
+    if (rigid || bar.inertia().massless(contact.unknown))
       throw std::invalid_argument("a stop with a law of its own wants a node with mass, and is not rigid");
     return {contact.sign, *stop};
   }
   if (rigid) return {contact.sign, PenaltyLaw{infinite, 0.0}};
   return {contact.sign,
-          penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.contact_mass(contact) : 0.0)};
+          penalty_law(penalty, contact.weight, penalty.restitution < 1.0 ? bar.inertia().contact_mass(contact) : 0.0)};
 }
 
 }  // namespace
@@ -70,20 +70,20 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   const std::size_t node = contact.unknown;
   if (rigid && bar_.size() < 2)
     throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
-  const bool massless = bar_.massless(node);
+  const bool massless = bar_.inertia().massless(node);
   ContactNode one{contact, law_of(bar_, contact, penalty)};
   const PenaltyLaw& law = one.law.linear();
   const Bar& bar = bar_.bar();
   one.restitution = penalty.restitution;
-  one.relative_stiffness = law.stiffness * bar_.stretch_at(node) / bar.modulus;
+  one.relative_stiffness = law.stiffness * bar_.elements().stretch_beside(node) / bar.modulus;
   one.has_body = contact.joint > 0 && bars_at(bar_, contact) < 2;
-  one.moves = bar_.moves(contact);
+  one.moves = bar_.frame().moves(contact);
   one.rigid = rigid, one.massless = massless, one.of_bar = of_bar;
   find_row(one);
-  one.follows = massless && !bar_.damped(), one.changes_by_row = massless && bar_.damped();
+  one.follows = massless && !bar_.bar().damped(), one.changes_by_row = massless && bar_.bar().damped();
   one.collides = rigid && !massless;
   one.rate = massless || rigid ? 0.0 : rate_of(one);
-  const double viscous = bar.viscosity / (bar_.stretch_at(node) * bar.impedance());
+  const double viscous = bar.viscosity / (bar_.elements().stretch_beside(node) * bar.impedance());
   one.holds = rigid || (massless && one.relative_stiffness * std::numeric_limits<double>::epsilon() > 1.0 + viscous);
   collides_ |= one.collides;
   dashpots_ |= law.damping > 0.0;
@@ -93,7 +93,7 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
 }
 
 double Contacts::rate_of(const ContactNode& node) const {
-  const BandedMatrix& inertia = bar_.inertia();
+  const BandedMatrix& inertia = bar_.inertia().matrix();
   const double stiffness = node.law.linear().stiffness, mass = inertia.diagonal_entry(node.unknown);
   if (node.joint == 0) return std::sqrt(stiffness / mass);
   return std::sqrt(stiffness * (1.0 / mass + 1.0 / inertia.diagonal_entry(node.unknown - 1)));

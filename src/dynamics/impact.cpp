@@ -57,7 +57,7 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
       answer_of(system, i, came == 0.0 ? 1.0 : std::max(least_pull, negligible.velocity / std::abs(came)), released);
   std::vector<double> acceleration(bar.size());
   const double mass = sign / contacts[i].of(answer), speed = -sign * came,
-               kinetic = 0.5 * bar.inertia().quadratic_form(w);
+               kinetic = 0.5 * bar.inertia().matrix().quadratic_form(w);
   const auto leave_with = [&](double velocity) {
     const double impulse = mass * (velocity - contacts[i].of(w));
     for (std::size_t j = 0; j < bar.size(); ++j) w[j] += sign * impulse * answer[j];
@@ -73,7 +73,7 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
   const double height = pressed > 0.0 ? rebound * rebound / (2.0 * pressed) : 0.0;
   bool rests = true;
   if (rebound == 0.0) {
-    rests = mass * pressed * bar.stretch_at(node) / bar.bar().modulus > -negligible.reaction;
+    rests = mass * pressed * bar.elements().stretch_beside(node) / bar.bar().modulus > -negligible.reaction;
   } else {
     rests = pressed > 0.0 && height <= negligible.displacement;
     if (!rests) leave_with(sign * rebound);
@@ -81,18 +81,18 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
   const double left = contacts[i].of(w), dissipated = 0.5 * mass * (speed - left) * (speed + left);
   return {rests,
           dissipated,
-          kinetic - 0.5 * bar.inertia().quadratic_form(w) - dissipated,
+          kinetic - 0.5 * bar.inertia().matrix().quadratic_form(w) - dissipated,
           mass * (left + sign * speed),
           height,
           std::move(released)};
 }
 
 void tie_joints(const Contacts& contacts, std::span<double> w) {
-  BandedMatrix inertia = contacts.bar().inertia();
+  BandedMatrix inertia = contacts.bar().inertia().matrix();
   contacts.tie_joints(inertia);
   if (inertia.ties.empty()) return;
   std::vector<double> momentum(w.size());
-  contacts.bar().inertia().multiply(w, momentum);
+  contacts.bar().inertia().matrix().multiply(w, momentum);
   TridiagonalFactor(inertia).solve(momentum);
   std::ranges::copy(momentum, w.begin());
 }

@@ -42,8 +42,8 @@ std::vector<std::size_t> Indicators::entries(std::size_t i) const {
   if (!contacts[i].holds) return {node};
   std::vector<std::size_t> entries = {node, neighbour(node), bar.size() + neighbour(node)};
   const std::size_t beyond = node == 0 ? 2 : node - 2;
-  if (contacts[i].collides && !bar.inertia().one_sided.empty()) entries.push_back(bar.size() + beyond);
-  if (contacts[i].collides && !bar.inertia().one_sided.empty() && bar.side()) entries.push_back(beyond);
+  if (contacts[i].collides && !bar.inertia().matrix().one_sided.empty()) entries.push_back(bar.size() + beyond);
+  if (contacts[i].collides && !bar.inertia().matrix().one_sided.empty() && bar.side()) entries.push_back(beyond);
   return entries;
 }
 
@@ -67,27 +67,31 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   if (!held || contacts[i].follows) return weights;
   const Bar& material = bar.bar();
   weights.values = {0.0, sign,
-                    bar.is_chain() ? sign * material.viscosity / bar.rate_stretch(bar.element_at(contacts[i].unknown)) *
-                                         bar.stretch_at(contacts[i].unknown) / material.modulus
-                                   : sign * material.viscosity / material.modulus};
+                    bar.elements().is_chain()
+                        ? sign * material.viscosity /
+                              bar.elements().rate_stretch(bar.elements().beside(contacts[i].unknown)) *
+                              bar.elements().stretch_beside(contacts[i].unknown) / material.modulus
+                        : sign * material.viscosity / material.modulus};
   weights.alone = false;
   if (!contacts[i].collides) return weights;
   const std::size_t node = contacts[i].unknown;
-  const std::array<double, 2> inertia = inertia_beside(bar.inertia(), node);
+  const std::array<double, 2> inertia = inertia_beside(bar.inertia().matrix(), node);
   for (std::size_t k = 0; k < inertia.size(); ++k)
-    weights.rates[k] = -sign * bar.stretch_at(node) / material.modulus * inertia[k];
+    weights.rates[k] = -sign * bar.elements().stretch_beside(node) / material.modulus * inertia[k];
   const SideRows* side = bar.side();
   if (!side) return weights;
   // The row of the side, but for the node itself.
   weights.sided = true;
-  const bool right = bar.is_right(node);
+  const bool right = bar.unknowns().is_right(node);
   const std::array<double, 3> row = side->end_row(right);
   const auto share = [&](std::size_t k, bool drag) {
     const std::size_t j = right ? bar.mesh().elements - k : k;
-    return -sign * bar.stretch_at(node) / material.modulus * row[k] * (drag ? side->drag(j) : side->stiffness(j));
+    return -sign * bar.elements().stretch_beside(node) / material.modulus * row[k] *
+           (drag ? side->drag(j) : side->stiffness(j));
   };
   weights.values[1] += share(1, false), weights.values[2] += share(1, true);
-  if (!bar.inertia().one_sided.empty()) weights.values[3] = share(2, true), weights.values[4] = share(2, false);
+  if (!bar.inertia().matrix().one_sided.empty())
+    weights.values[3] = share(2, true), weights.values[4] = share(2, false);
   return weights;
 }
 
@@ -108,19 +112,20 @@ double Indicators::offset(std::size_t i, double t) const {
   double neighbours = contacts[i].clearance(contacts.origin().at(neighbour(node)));
   for (const Support& support : bar.supports())
     if (support.unknown == node)
-      neighbours += support.stiffness * contacts[i].gap * bar.stretch_at(node) / bar.bar().modulus;
+      neighbours += support.stiffness * contacts[i].gap * bar.elements().stretch_beside(node) / bar.bar().modulus;
   if (const SideRows* side = bar.side(); side && contacts[i].collides) {
     const auto resting = [&](std::size_t j) {
-      const std::size_t unknown = j - bar.first_node();
+      const std::size_t unknown = j - bar.unknowns().first_node();
       if (unknown == node) return -contacts[i].sign * contacts[i].gap * side->stiffness(j);
-      const bool fixed = j < bar.first_node() || unknown >= bar.size();
-      return side->stiffness(j) * (fixed ? bar.wall(j > 0).value() : contacts.origin().at(unknown));
+      const bool fixed = j < bar.unknowns().first_node() || unknown >= bar.size();
+      return side->stiffness(j) * (fixed ? bar.unknowns().wall(j > 0).value() : contacts.origin().at(unknown));
     };
-    neighbours -=
-        contacts[i].sign * bar.stretch_at(node) / bar.bar().modulus * side->at_end(bar.is_right(node), resting);
+    neighbours -= contacts[i].sign * bar.elements().stretch_beside(node) / bar.bar().modulus *
+                  side->at_end(bar.unknowns().is_right(node), resting);
   }
   if (!load_.acts()) return neighbours;
-  return neighbours + contacts[i].sign * load_.of_bar(node, t) * bar.stretch_at(node) / bar.bar().modulus;
+  return neighbours +
+         contacts[i].sign * load_.of_bar(node, t) * bar.elements().stretch_beside(node) / bar.bar().modulus;
 }
 
 double Indicators::rounding(std::size_t i, double largest) const {

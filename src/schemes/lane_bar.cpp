@@ -158,14 +158,14 @@ void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std
 }
 
 double scale_of(const BarSystem& system) {
-  return system.rows_alike() ? system.bar().modulus / system.mesh().spacing() : system.bar().modulus;
+  return system.elements().rows_alike() ? system.bar().modulus / system.mesh().spacing() : system.bar().modulus;
 }
 
 }  // namespace
 
 LaneFactor LaneBar::factor(const BarSystem& system, const BandedMatrix& matrix) {
   if (system.side()) return LaneFactor::without_rows(matrix);
-  if (system.rows_alike()) return LaneFactor(matrix, scale_of(system));
+  if (system.elements().rows_alike()) return LaneFactor(matrix, scale_of(system));
   std::vector<std::size_t> kept;
   for (const Contact& contact : system.contacts()) {
     kept.push_back(contact.unknown);
@@ -179,23 +179,23 @@ LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
       order_(order),
       scale_(scale_of(system)),
       relaxation_(system.bar().viscosity / system.bar().modulus) {
-  if (system.rows_alike() || order.rows == 0) return;
+  if (system.elements().rows_alike() || order.rows == 0) return;
   const std::size_t elements = system.mesh().elements;
   bool alike = true;
   std::vector<double> elastic(elements);
   for (std::size_t e = 0; e < elements; ++e) {
-    elastic[e] = 1.0 / system.stretch(e);
-    alike &= !system.damped() || system.rate_stretch(e) == system.stretch(e);
+    elastic[e] = 1.0 / system.elements().stretch(e);
+    alike &= !system.bar().damped() || system.elements().rate_stretch(e) == system.elements().stretch(e);
   }
   take_edges();
   elastic_ = weights(elastic);
-  if (!alike) viscous_ = weights(system.rate_weights());
+  if (!alike) viscous_ = weights(system.elements().rate_weights());
 }
 
 // The edge before the first node and the one behind the last are walls, which have no nodes here.
 void LaneBar::take_edges() {
   const auto& runs = order_.runs;
-  const std::size_t first = system_.first_node();
+  const std::size_t first = system_.unknowns().first_node();
   const auto add = [&](std::size_t node) {
     edges_.push_back({order_.place(node - 1), order_.place(node), first + node - 1});
   };
@@ -227,7 +227,7 @@ LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const 
   for (const Edge& edge : edges_) all.of_edges.push_back(of_elements[edge.element]);
   for (const LaneOrder::Run& run : order_.runs)
     for (std::size_t k = 1; k < run.count; ++k)
-      all.of_rows[run.begin + k][run.lane] = of_elements[system_.first_node() + run.node + k - 1];
+      all.of_rows[run.begin + k][run.lane] = of_elements[system_.unknowns().first_node() + run.node + k - 1];
   return all;
 }
 
@@ -284,7 +284,7 @@ void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, s
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
-  const bool alike = system_.rows_alike();
+  const bool alike = system_.elements().rows_alike();
   if (system_.side() || (!alike && order_.rows == 0)) {
     system_.internal_force(u, w, interface);
     double* const force = interface.data();
@@ -294,7 +294,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   }
   const double relaxation = relaxation_, scale = scale_;
   const std::size_t n = order_.size;
-  const std::optional<double>&left_end = system_.wall(false), &right_end = system_.wall(true);
+  const std::optional<double>&left_end = system_.unknowns().wall(false), &right_end = system_.unknowns().wall(true);
   const auto pull_of_supports = [&] {
     for (const Support& support : system_.supports())
       (support.unknown == 0 ? interface.front() : interface.back()) -=
@@ -311,7 +311,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       pull_of_supports();
       if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
     };
-    if (system_.damped())
+    if (system_.bar().damped())
       run(ViscousStress{relaxation, u.data(), w.data()});
     else
       run(ElasticStress{u.data()});
@@ -331,7 +331,7 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
   const auto weighted = [](const auto& plain, const Weights& by) {
     return WeightedStress<std::decay_t<decltype(plain)>>{plain, by.of_edges.data(), by.of_rows.data()};
   };
-  if (!system_.damped())
+  if (!system_.bar().damped())
     run(weighted(ElasticStress{u.data()}, elastic_));
   else if (viscous_.of_rows.empty())
     run(weighted(ViscousStress{relaxation, u.data(), w.data()}, elastic_));
@@ -367,10 +367,10 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     return sum_of(sums);
   };
   double sum = 0.0;
-  if (!system_.rows_alike()) {
-    const std::vector<double>& weights = system_.rate_weights();
+  if (!system_.elements().rows_alike()) {
+    const std::vector<double>& weights = system_.elements().rate_weights();
     if (rows == 0) {
-      sum = sum_by_lanes(n - 1, [squares = pairs(0, 1), of = &weights[system_.first_node()]](auto&& at) {
+      sum = sum_by_lanes(n - 1, [squares = pairs(0, 1), of = &weights[system_.unknowns().first_node()]](auto&& at) {
         return squares(at) * at(of);
       });
     } else {
@@ -386,8 +386,8 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
                          [x = differences + 1, of = of_edges + 1](auto&& at) { return at(of) * (at(x) * at(x)); });
       sum += of_rows([rows = of.of_rows.data()](std::size_t k, const Lanes& squares) { return rows[k] * squares; });
     }
-    if (system_.left_fixed()) sum += node(0) * node(0) * weights.front();
-    if (system_.right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
+    if (system_.unknowns().left_fixed()) sum += node(0) * node(0) * weights.front();
+    if (system_.unknowns().right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
     return sum;
   }
   sum = sum_by_lanes((rows > 0 ? order_.first : n) - 1, pairs(0, 1));
@@ -402,8 +402,8 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     sum += sum_of(difference * difference);
     sum += sum_by_lanes(n - end - 1, pairs(end, end + 1));
   }
-  if (system_.left_fixed()) sum += node(0) * node(0);
-  if (system_.right_fixed()) sum += node(n - 1) * node(n - 1);
+  if (system_.unknowns().left_fixed()) sum += node(0) * node(0);
+  if (system_.unknowns().right_fixed()) sum += node(n - 1) * node(n - 1);
   return sum / system_.mesh().spacing();
 }
 

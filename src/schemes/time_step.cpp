@@ -62,7 +62,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
       stored_(contacts_),
-      obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.moves(one); })),
+      obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.frame().moves(one); })),
       bounds_stay_(!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
@@ -89,7 +89,7 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     profile_.resize(system.size());
     order_.from_nodes(*profile, profile_);
   }
-  if (load_ && end && !load_->steady() && !system.moving()) {
+  if (load_ && end && !load_->steady() && !system.frame().moving()) {
     load_begin_ = begin, load_end_ = *end;
     pieces_.emplace(system, dt_);
     enter_load(begin);
@@ -118,8 +118,8 @@ void TimeStep::start_from(const State& start, double begin, Start order) {
     for (std::size_t i = 0; i < p_.size(); ++i) p_[i] += dt_ / 2 * a[i];
     for (std::size_t k = 0; k < contacts_.size(); ++k) start_impulse_[k] = dt_ / 2 * reaction_[k];
   }
-  if (system_.massive_begin() > 0) settle_massless(contacts_.front(), 1, begin);
-  if (system_.massive_end() < system_.size()) settle_massless(contacts_.back(), system_.size() - 2, begin);
+  if (system_.inertia().massive_begin() > 0) settle_massless(contacts_.front(), 1, begin);
+  if (system_.inertia().massive_end() < system_.size()) settle_massless(contacts_.back(), system_.size() - 2, begin);
   project_start();
   for (std::size_t i = 0; i < u_.size(); ++i) {
     a_[i] = (p_[i] - v[i]) / (dt_ / 2);
@@ -157,8 +157,8 @@ void TimeStep::project_start() {
     held |= stored_[k].sign * stored_[k].of(p_) < bound[k];
   }
   if (!held) return;
-  const BandedMatrix& inertia = system_.inertia();
-  if ((inertia.is_diagonal() && !system_.is_chain()) || system_.has_massless()) {
+  const BandedMatrix& inertia = system_.inertia().matrix();
+  if ((inertia.is_diagonal() && !system_.elements().is_chain()) || system_.inertia().has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
       double& p = p_[stored_[k].unknown];
@@ -192,12 +192,12 @@ void TimeStep::settle_massless(const Contact& contact, std::size_t next, double 
     double pull = 0.0;
     if (load_) {
       evaluate_load(t);
-      pull = system_.stretch_at(end) * load_now_[end];
+      pull = system_.elements().stretch_beside(end) * load_now_[end];
     }
     return (memory * relaxed + pull) / (memory + bar.modulus);
   };
-  if (!system_.damped())
-    u_[end] = sign * std::max(sign * (u_[next] + rest_stretch(begin, 0.0, 0.0)), -system_.gap(contact, begin));
+  if (!system_.bar().damped())
+    u_[end] = sign * std::max(sign * (u_[next] + rest_stretch(begin, 0.0, 0.0)), -system_.frame().gap(contact, begin));
   const double stretch = rest_stretch(begin + dt_, u_[end] - u_[next], bar.viscosity / dt_);
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
@@ -218,8 +218,9 @@ void TimeStep::bound_contacts(double t) {
     const Contact& contact = contacts_[k];
     const double u = contact.sign * stored_[k].of(u_), p = contact.sign * stored_[k].of(p_);
     // A step back from the start the obstacle has moved as the bar, at its initial velocity.
-    const double gap = system_.gap(contact, t), next = system_.gap(contact, t + dt_);
-    const double before = t > begin_ + dt_ / 2 ? system_.gap(contact, t - dt_) : gap - dt_ * system_.gap(contact, t, 1);
+    const double gap = system_.frame().gap(contact, t), next = system_.frame().gap(contact, t + dt_);
+    const double before =
+        t > begin_ + dt_ / 2 ? system_.frame().gap(contact, t - dt_) : gap - dt_ * system_.frame().gap(contact, t, 1);
     if (impact_ == Impact::paoli_schatzman) {
       lower_[k] = -next - restitution_ * (before + (u - dt_ * p));
     } else {

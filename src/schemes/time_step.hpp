@@ -9,6 +9,7 @@
 #include "schemes/end_constraint.hpp"
 #include "schemes/lane_bar.hpp"
 #include "schemes/span_constraint.hpp"
+#include "viscobar/dynamics/load_vector.hpp"
 #include "viscobar/schemes/schemes.hpp"
 
 namespace viscobar {
@@ -72,7 +73,7 @@ class TimeStep {
   bool obstacles_move() const { return obstacles_move_; }  ///< true if any of these does
   /// s u + gap(t) of contact k for a displacement u of its node, at a joint against the one before.
   double clearance(std::size_t k, double t, double u) const {
-    return contacts_[k].sign * u + (obstacles_move_ ? system_.gap(contacts_[k], t) : contacts_[k].gap);
+    return contacts_[k].sign * u + (obstacles_move_ ? system_.frame().gap(contacts_[k], t) : contacts_[k].gap);
   }
   /// int lambda dt over the first half step, which leads to p^{1/2}: of the balance at t_0, and what an impact at t_0
   /// takes at once; one a contact.
