@@ -10,7 +10,6 @@
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
-#include "dynamics/pieces.hpp"
 #include "run/parts.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -233,16 +232,14 @@ void check_chain(const Setup& setup, Findings& findings) {
   refuse(scene.span.has_value(), "span.gap", "an obstacle under the whole span");
   for (const bool right : {false, true}) {
     const EndCondition& end = right ? scene.right : scene.left;
-    if (std::holds_alternative<Free>(end) || has_row_at_end(scene, right)) continue;
+    const std::size_t last = right ? scene.chain.size() - 1 : 0;
+    if (std::holds_alternative<Free>(end) || !scene.chain[last].rigid() || !meets_contact(scene, last, !right))
+      continue;
     const std::string key = right ? "right.kind" : "left.kind";
     if (is_fixed(end))
       findings.report(key,
                       "holds a rigid body that the next bar meets: leave the body out, and make this end an "
                       "obstacle of that bar, with the gap of the joint");
-    else if (run.method == MethodName::rigid)
-      findings.report(key,
-                      "is an obstacle for a rigid body alone, which rigid does not take yet; use cvode with a "
-                      "contact.epsilon, or fully_discrete");
     else if (!run.directions.empty())
       findings.report("sensitivity.of", "has no derivatives for an obstacle that a rigid body alone meets");
   }
@@ -264,19 +261,11 @@ void check_chain(const Setup& setup, Findings& findings) {
     if (!taken && findings.sound({"method.name"}))
       findings.add({law_refusal(name(method), *joint.stop, fmt::format("joint.{}", k + 1))});
     const bool rigid = scene.chain[k].rigid() && scene.chain[k + 1].rigid();
-    if (method == MethodName::characteristics) {
-      if (rigid && run.restitution.value_or(0.0) > 0.0)
-        findings.report("contact.restitution",
-                        "is {}, and between rigid bodies characteristics knows impacts without rebound alone; leave it "
-                        "out, or use fully_discrete",
-                        *run.restitution);
-      continue;
-    }
-    if (method == MethodName::rigid && !has_row_at_joint(scene, k))
-      findings.report(
-          joint_key(k + 1, "kind"),
-          "is between two rigid bodies that meet others, too, which rigid does not take yet; use cvode with a "
-          "contact.epsilon, or fully_discrete");
+    if (method == MethodName::characteristics && rigid && run.restitution.value_or(0.0) > 0.0)
+      findings.report("contact.restitution",
+                      "is {}, and between rigid bodies characteristics knows impacts without rebound alone; leave it "
+                      "out, or use fully_discrete",
+                      *run.restitution);
   }
   check_members(run, findings);
 }

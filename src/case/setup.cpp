@@ -8,7 +8,6 @@
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
 #include "discretisation/gauss.hpp"
-#include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/case/case.hpp"
 
@@ -142,13 +141,9 @@ double natural_epsilon(const Scene& scene) {
 AutomaticMethod automatic_method(const Case& run) {
   const Scene& scene = run.scene;
   if (scene.span && !run.epsilon && !has_stops(scene)) return {MethodName::fully_discrete, ""};
-  bool rows = (!is_obstacle(scene.left) || has_row_at_end(scene, false)) &&
-              (!is_obstacle(scene.right) || has_row_at_end(scene, true));
-  for (std::size_t k = 0; k + 1 < scene.chain.size(); ++k)
-    rows &= scene.chain[k].joint.kind != JointKind::contact || has_row_at_joint(scene, k);
   const bool by_law = run.epsilon || has_stops(scene);
-  MethodName meshed = rows ? MethodName::rigid : by_law ? MethodName::cvode : MethodName::fully_discrete;
-  if (by_law && meshed == MethodName::rigid) {
+  MethodName meshed = MethodName::rigid;
+  if (by_law) {
     const bool massless = run.mass ? bare_obstacles(scene) > 0 && run.mass == Mass::redistributed : redistributes(run);
     meshed = scene.bar.viscosity > 0.0 || massless ? MethodName::arkode : MethodName::cvode;
   }

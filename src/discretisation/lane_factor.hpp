@@ -174,9 +174,10 @@ class LaneFactor {
   const BandedMatrix& condensed() const { return condensed_; }
 
   /// First sweep. `right(k)` is row k of b divided by the `scale` of the constructor, asked for k = 0, 1, ... once
-  /// each; y receives the eliminated rows, and `interface`, which holds b there, what they pull.
+  /// each; where it has a last(k), as that where runs end with it. y receives the eliminated rows, and `interface`,
+  /// which holds b there, what they pull.
   template <class Row>
-  void eliminate(Row&& right, std::span<double> y, std::span<double> interface) const {
+  void eliminate(const Row& right, std::span<double> y, std::span<double> interface) const {
     if (order_.rows == 0) return;
     if (unlike_.lower.empty())
       eliminate_by(alike_, right, y, interface);
@@ -186,7 +187,7 @@ class LaneFactor {
 
   /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
   template <class Row>
-  void substitute(std::span<const double> interface, std::span<const double> y, Row&& use) const {
+  void substitute(std::span<const double> interface, std::span<const double> y, const Row& use) const {
     if (order_.rows == 0) return;
     if (unlike_.lower.empty())
       substitute_by(alike_, interface, y, use);
@@ -224,27 +225,30 @@ class LaneFactor {
 
   // Calls that lanes pass through cost more than their arithmetic: all are inlined.
   template <class C, class Row>
-  [[gnu::flatten]] void eliminate_by(const Rows<C>& of, Row&& right, std::span<double> y,
+  [[gnu::flatten]] void eliminate_by(const Rows<C>& of, const Row& given, std::span<double> y,
                                      std::span<double> interface) const {
-    // Copies, since a store of lanes may alias anything.
+    // Copies, since a store of lanes may alias anything; arguments that are copies stay in memory.
+    Row right = given;
     const C *lower = of.lower.data(), *from_left = of.from_left.data();
     double* row = &y[order_.row(0)];
     Lanes eliminated = 0.0, pull = 0.0;
     std::size_t k = 0;
     for (const Piece& piece : pieces_) {
-      const std::size_t end = piece.end;
-      if (piece.felt) {
-        for (; k < end; ++k, row += lane_count) {
-          eliminated = right(k) - lower[k] * eliminated;
-          pull += from_left[k] * eliminated;
-          store_lanes(eliminated, row);
-        }
-      } else {
-        for (; k < end; ++k, row += lane_count) {
-          eliminated = right(k) - lower[k] * eliminated;
-          store_lanes(eliminated, row);
-        }
-      }
+      const std::size_t last = piece.end - 1;
+      const auto add = [&](const Lanes& force, auto felt) __attribute__((always_inline)) {
+        eliminated = force - lower[k] * eliminated;
+        if constexpr (felt) pull += from_left[k] * eliminated;
+        store_lanes(eliminated, row);
+        ++k, row += lane_count;
+      };
+      const auto add_all = [&](auto felt) __attribute__((always_inline)) {
+        while (k < last) add(right(k), felt);
+        if constexpr (requires { right.last(k); })
+          add(right.last(k), felt);
+        else
+          add(right(k), felt);
+      };
+      piece.felt ? add_all(std::true_type()) : add_all(std::false_type());
       if constexpr (std::is_same_v<C, Lanes>) {
         if (piece.ended.empty()) continue;
         const Lanes to_right = scale_ * lower[k] * eliminated;
@@ -274,7 +278,8 @@ class LaneFactor {
 
   template <class C, class Row>
   [[gnu::flatten]] void substitute_by(const Rows<C>& of, std::span<const double> interface, std::span<const double> y,
-                                      Row&& use) const {
+                                      const Row& given) const {
+    const Row use = given;
     const C *lower = of.lower.data() + 1, *inverse_pivot = of.scaled_inverse_pivot.data(),
             *from_left = of.from_left.data();
     const double* rows = &y[order_.row(0)];

@@ -19,9 +19,12 @@ class RowForces {
     system.accelerate(acceleration_);
   }
   double of(std::size_t i) const {
-    if (contacts_[i].joint == 0) return -force_[contacts_[i].unknown] + held_inertia_times(contacts_, i, acceleration_);
+    if (!contacts_[i].has_joint_row())
+      return -force_[contacts_[i].unknown] + held_inertia_times(contacts_, i, acceleration_);
     const JointRow row = holding_row(contacts_, i);
-    return row.sign * (row.inertia_times(acceleration_) - force_[row.node]);
+    const double force =
+        row.inertia_times(acceleration_) - row.sum_over_rows([this](std::size_t j) { return force_[j]; });
+    return contacts_[i].joint > 0 ? row.sign * force : force;
   }
 
  private:

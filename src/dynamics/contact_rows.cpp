@@ -24,30 +24,31 @@ bool is_free_body(const Contacts& contacts, std::size_t i, std::size_t node, std
   return true;
 }
 
-}  // namespace
-
-JointRow joint_row(const Contacts& contacts, std::size_t i) {
+// The row of the node beside contact i alone.
+JointRow row_of_node(const Contacts& contacts, std::size_t i) {
   const BarSystem& bar = contacts.bar();
-  const std::size_t b = contacts[i].unknown, first = bar.unknowns().first_node(), right = b + first;
+  const std::size_t b = contacts[i].unknown, first = bar.unknowns().first_node();
+  const bool of_joint = contacts[i].joint > 0, to_right = contacts[i].to_right;
   if (contacts[i].by_law) return {.node = b, .next = b - 1, .beyond = b, .sign = 1.0, .scale = 1.0};
-  const bool of_bar = contacts[i].of_bar, to_right = of_bar ? bar.elements().is_of_bar(right) : !contacts[i].met;
-  const std::size_t node = to_right ? b : b - 1;
+  const std::size_t node = of_joint && !to_right ? b - 1 : b, place = node + first;
   JointRow row{.node = node, .next = node, .beyond = node, .sign = to_right ? 1.0 : -1.0, .scale = 0.0};
+  if (!of_joint) row.sign = contacts[i].sign;
   const BandedMatrix& inertia = bar.inertia().matrix();
   row.inertia[0] = inertia.diagonal[node];
-  if (to_right ? right < bar.mesh().elements : right > 1) {
-    const std::size_t element = to_right ? right : right - 2;
+  const std::size_t element = to_right ? place : place - 1;
+  if (to_right ? place < bar.mesh().elements : place > 0) {
     const double stiffness = bar.bar().modulus / bar.elements().stretch(element),
                  viscosity = bar.bar().viscosity / bar.elements().rate_stretch(element);
-    if (to_right ? b + 1 < bar.size() : b > 1) {
+    if (to_right ? node + 1 < bar.size() : node > 0) {
       row.stiffness = stiffness, row.viscosity = viscosity;
-      row.next = to_right ? b + 1 : b - 2;
-      row.beyond = to_right ? std::min(b + 2, bar.size() - 1) : b < 3 ? 0 : b - 3;
+      row.next = to_right ? node + 1 : node - 1;
+      row.beyond = to_right ? std::min(node + 2, bar.size() - 1) : node < 2 ? 0 : node - 2;
     } else {
       row.ground_stiffness = stiffness, row.ground_viscosity = viscosity;
       row.ground_force = stiffness * bar.unknowns().wall(to_right).value_or(0.0);
     }
   }
+  const bool of_bar = bar.elements().is_of_bar(element);
   row.scale = of_bar && row.stiffness > 0.0 ? row.stiffness : bar.bar().modulus / bar.elements().stretch_beside(b);
   add_supports(bar, row);
   if (!of_bar) return row;
@@ -57,14 +58,34 @@ JointRow joint_row(const Contacts& contacts, std::size_t i) {
   if (!inertia.is_diagonal() && beside) row.inertia[1] += to_right ? inertia.above(node) : inertia.below(row.next);
   const SideRows* side = bar.side();
   if (!side) return row;
-  const std::array<double, 3> weights = side->end_row(node + first, !to_right);
+  const std::array<double, 3> weights = side->end_row(place, !to_right);
   const std::array<std::size_t, 3> unknowns = {node, row.next, row.beyond};
   for (std::size_t k = 0; k < 3 && (beside || k == 0); ++k) {
     row.side_stiffness[k] = weights[k] * side->stiffness(unknowns[k] + first);
     row.side_drag[k] = weights[k] * side->drag(unknowns[k] + first);
   }
   if (!beside)  // it is held
-    row.ground_force -= weights[1] * side->stiffness(to_right ? right + 1 : right - 2) * *bar.unknowns().wall(to_right);
+    row.ground_force -= weights[1] * side->stiffness(to_right ? place + 1 : place - 1) * *bar.unknowns().wall(to_right);
+  return row;
+}
+
+}  // namespace
+
+JointRow joint_row(const Contacts& contacts, std::size_t i) {
+  JointRow row = row_of_node(contacts, i);
+  if (contacts[i].by_law || !contacts[i].beyond) return row;
+  const std::size_t k = *contacts[i].beyond;
+  const JointRow far = joint_row(contacts, k);
+  row.next = far.next, row.beyond = far.beyond;
+  row.stiffness = row.viscosity = 0.0;  // of the element of the joint, which has none
+  if (!contacts.closed(k)) return row;
+  const double apart = (contacts[i].to_right ? -1.0 : 1.0) * contacts[k].gap;  // u there less that of the body
+  row.last = far.last;
+  row.stiffness = far.stiffness, row.viscosity = far.viscosity;
+  row.side_stiffness = far.side_stiffness, row.side_drag = far.side_drag;
+  row.inertia = {row.inertia[0] + far.inertia[0], far.inertia[1], far.inertia[2]};
+  row.ground_stiffness += far.ground_stiffness, row.ground_viscosity += far.ground_viscosity;
+  row.ground_force += far.ground_force - (far.stiffness + far.ground_stiffness + far.side_stiffness[0]) * apart;
   return row;
 }
 
@@ -97,7 +118,13 @@ std::array<double, 2> inertia_beside(const BandedMatrix& inertia, std::size_t en
   return {beside + row[1], row[2]};
 }
 
-double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<const double> v) {
+double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<const double> v,
+                          std::optional<std::size_t> struck) {
+  if (const auto beyond = contacts[i].beyond; beyond && !contacts[i].by_law) {
+    const bool pushes = contacts.closed(*beyond) || beyond == struck;
+    return row_of_node(contacts, i).inertia[0] * v[row_of_node(contacts, i).node] +
+           (pushes ? held_inertia_times(contacts, *beyond, v, struck) : 0.0);
+  }
   if (contacts[i].joint > 0) return joint_row(contacts, i).inertia_times(v);
   const std::size_t end = contacts[i].unknown;
   const auto inertia = inertia_beside(contacts.bar().inertia().matrix(), end);

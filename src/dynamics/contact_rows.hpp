@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -9,17 +10,18 @@
 
 namespace viscobar {
 
-/// The row beside a contact at a joint, without the contact itself: that of the end of a bar, or of a rigid body that
-/// no other contact meets,
+/// The row beside a contact at a joint, or of an end's on a rigid body, without the contact itself: that of the end of
+/// a bar, or of a rigid body, with those of what closed contacts hold together with it,
 ///
 ///     sign N = inertia . (a_node, a_next, a_beyond) + k (u_node - u_next) + c (w_node - w_next)
 ///              + k_0 u_node + c_0 w_node - f_0 + (M (k u + c w))_node - (M f)_node,
 ///
-/// with k_0, c_0 and f_0 of a spring to the ground, and M (k u + c w) of resistance along the bar.
+/// with k_0, c_0 and f_0 of a spring to the ground, and M (k u + c w) of resistance along the bar. Of an end N is s R.
 struct JointRow {
-  std::size_t node, next, beyond;           ///< unknowns, from the joint inwards
+  std::size_t node, next, beyond;           ///< unknowns, from the joint inwards; the last two of the end of the bar
   double sign;                              ///< 1 where the row is to the right of the joint, -1 to the left
   double scale;                             ///< E / h, by which the indicator counts N
+  std::size_t last = node;                  ///< the rows from node to here are added
   double stiffness = 0.0, viscosity = 0.0;  ///< k, c
   double ground_stiffness = 0.0, ground_viscosity = 0.0, ground_force = 0.0;  ///< k_0, c_0, f_0
   std::array<double, 3> inertia{}, side_stiffness{}, side_drag{};             ///< of the three nodes
@@ -27,8 +29,15 @@ struct JointRow {
   double inertia_times(std::span<const double> v) const {
     return inertia[0] * v[node] + inertia[1] * v[next] + inertia[2] * v[beyond];
   }
+  /// The sum of of_unknown(j) over the rows that are added.
+  double sum_over_rows(auto&& of_unknown) const {
+    double sum = 0.0;
+    for (std::size_t j = std::min(node, last); j <= std::max(node, last); ++j) sum += of_unknown(j);
+    return sum;
+  }
 };
-/// Where the contact is by_law it has b and a for nodes, and zeros.
+/// The row as the contacts are now; its unknowns do not depend on that. Of bodies that move as one it has u and w of
+/// the first. Where the contact is by_law it has b and a for nodes, and zeros.
 JointRow joint_row(const Contacts& contacts, std::size_t i);
 /// N = m a + k_0 u + c_0 w - f_0 - (M f): the row of the lighter rigid body at contact i, a joint, which nothing else
 /// holds now, neither a spring to another member nor a closed contact. Absent: both are held. Its error is that of m a.
@@ -44,8 +53,9 @@ inline JointRow holding_row(const Contacts& contacts, std::size_t i) {
 inline std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
 /// Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.
 std::array<double, 2> inertia_beside(const BandedMatrix& inertia, std::size_t end);
-/// The row of rho M of contact i, whose nodes do not move against each other or the ground, times v: of velocities what
-/// it has of momentum, in the direction in which the contact pushes the node.
-double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<const double> v);
+/// The rows of rho M that tell the impulse of contact i, whose nodes do not move against each other or the ground,
+/// times changes v of velocities: as an impact of contact `struck` makes them, which changes those of its nodes apart.
+double held_inertia_times(const Contacts& contacts, std::size_t i, std::span<const double> v,
+                          std::optional<std::size_t> struck = std::nullopt);
 
 }  // namespace viscobar

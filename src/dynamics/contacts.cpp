@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -12,10 +13,34 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-// How many of the two nodes of a joint are ends of bars.
+// True if the node of a contact to one side of it is the end of a bar, or bonded to one.
+bool is_bar(const BarSystem& bar, const Contact& contact, bool to_right) {
+  const std::size_t right = contact.unknown + bar.unknowns().first_node(), left = contact.joint > 0 ? 2 : 1;
+  return to_right ? bar.elements().is_of_bar(right) : right >= left && bar.elements().is_of_bar(right - left);
+}
+
+// How many of the two nodes of a joint are such.
 int bars_at(const BarSystem& bar, const Contact& contact) {
-  const std::size_t right = contact.unknown + bar.unknowns().first_node();
-  return (bar.elements().is_of_bar(right) ? 1 : 0) + (right > 1 && bar.elements().is_of_bar(right - 2) ? 1 : 0);
+  return (is_bar(bar, contact, true) ? 1 : 0) + (is_bar(bar, contact, false) ? 1 : 0);
+}
+
+// The contact that meets a rigid body from its other side.
+std::optional<std::size_t> contact_beyond(const BarSystem& bar, const Contact& contact, bool to_right) {
+  const std::vector<Contact>& all = bar.contacts();
+  if (is_bar(bar, contact, to_right)) return std::nullopt;
+  const std::size_t node = to_right || contact.joint == 0 ? contact.unknown : contact.unknown - 1;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool of_end = all[k].joint == 0 && contact.joint > 0 && all[k].unknown == node;
+    if (of_end || (all[k].joint > 0 && all[k].unknown == (to_right ? node + 1 : node))) return k;
+  }
+  return std::nullopt;
+}
+
+// True if rows to that side tell the force of a contact: bodies end at a bar, or where nothing else pushes them.
+bool has_rows(const BarSystem& bar, const Contact& contact, bool to_right) {
+  for (auto k = contact_beyond(bar, contact, to_right); k; k = contact_beyond(bar, bar.contacts()[*k], to_right))
+    if (bar.contacts()[*k].joint == 0) return false;
+  return true;
 }
 
 ContactLaw law_of(const BarSystem& bar, const Contact& contact, const Penalty& penalty) {
@@ -42,9 +67,7 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   const bool rigid = penalty.epsilon == 0.0, of_bar = bars_at(bar_, contact) > 0;
   if (rigid && contact.where == Where::span)
     throw std::invalid_argument("a rigid obstacle under the whole span stops several nodes at once: not for rigid");
-  const std::size_t i = nodes_.size(), node = contact.unknown;
-  const bool met = is_met_elsewhere(i, node);
-  const bool by_law = contact.joint == 0 ? met : !of_bar && (!rigid || (met && is_met_elsewhere(i, node - 1)));
+  const std::size_t node = contact.unknown;
   if (rigid && bar_.size() < 2)
     throw std::invalid_argument("a rigid obstacle needs an unknown node beside that of the contact");
   const bool massless = bar_.inertia().massless(node);
@@ -55,7 +78,8 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   one.relative_stiffness = law.stiffness * bar_.elements().stretch_beside(node) / bar.modulus;
   one.has_body = contact.joint > 0 && bars_at(bar_, contact) < 2;
   one.moves = bar_.frame().moves(contact);
-  one.rigid = rigid, one.massless = massless, one.of_bar = of_bar, one.met = met, one.by_law = by_law;
+  one.rigid = rigid, one.massless = massless, one.of_bar = of_bar;
+  find_row(one);
   one.follows = massless && !bar_.bar().damped(), one.changes_by_row = massless && bar_.bar().damped();
   one.collides = rigid && !massless;
   one.rate = massless || rigid ? 0.0 : rate_of(one);
@@ -75,20 +99,31 @@ double Contacts::rate_of(const ContactNode& node) const {
   return std::sqrt(stiffness * (1.0 / mass + 1.0 / inertia.diagonal_entry(node.unknown - 1)));
 }
 
-// True if a contact other than i, of the joint or end on the other side, has that node.
-bool Contacts::is_met_elsewhere(std::size_t i, std::size_t unknown) const {
-  const std::vector<Contact>& all = bar_.contacts();
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const bool of_joint = all[k].joint > 0;
-    if (k == i || (!of_joint && all[i].joint == 0)) continue;
-    if (all[k].unknown == unknown || (of_joint && all[k].unknown == unknown + 1)) return true;
-  }
-  return false;
+// The row of a bar's end is the best, then that of a body that no other contact meets. A contact beyond a body goes on
+// to the same side.
+void Contacts::find_row(ContactNode& node) const {
+  const auto is_end_of_bar = [&](bool to_right) { return is_bar(bar_, node, to_right); };
+  const auto is_alone = [&](bool to_right) { return !contact_beyond(bar_, node, to_right); };
+  const auto has_any = [&](bool to_right) { return has_rows(bar_, node, to_right); };
+  if (node.joint == 0)
+    node.to_right = node.unknown == 0;
+  else
+    node.to_right =
+        is_end_of_bar(true) || (!is_end_of_bar(false) && (is_alone(true) || (!is_alone(false) && has_any(true))));
+  node.beyond = contact_beyond(bar_, node, node.to_right);
+  node.by_law = node.rigid ? !has_any(node.to_right) : node.joint > 0 ? !node.of_bar : node.beyond.has_value();
 }
 
 bool Contacts::held(std::size_t unknown) const {
-  for (std::size_t i = 0; i < size(); ++i)
-    if (closed_at(i, unknown) && nodes_[i].holds) return true;
+  const auto holds = [this](std::size_t i) { return closed(i) && nodes_[i].holds; };
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (nodes_[i].joint > 0 || !holds(i)) continue;
+    const auto [low, high] = std::minmax(nodes_[i].unknown, unknown);
+    std::size_t ties = 0;
+    for (std::size_t k = 0; k < size() && low < high; ++k)
+      ties += nodes_[k].joint > 0 && low < nodes_[k].unknown && nodes_[k].unknown <= high && holds(k) ? 1 : 0;
+    if (ties == high - low) return true;
+  }
   return false;
 }
 

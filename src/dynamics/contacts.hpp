@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -62,9 +63,12 @@ struct ContactNode : Contact {
   bool collides = false;  ///< rigid, on a node with mass
   bool of_bar = false;    ///< one of the two nodes of a joint is the end of a bar: else both are rigid bodies
   bool has_body = false;  ///< one of them is such a body
-  bool met = false;       ///< a contact of the joint or end on the other side has the node, too
-  /// The law alone tells the force, and no row: that of a rigid body without a bar, beside another contact; of a
-  /// penalty also where no other one meets the body.
+  /// The row that tells the force is that of the node to the right of the contact, else to its left.
+  bool to_right = false;
+  /// The contact on the other side of a rigid body whose row that is: the row has its force, too.
+  std::optional<std::size_t> beyond{};
+  /// The law alone tells the force, and no row: that of a penalty on a rigid body without a bar, of an obstacle where
+  /// another contact meets the body; of a rigid contact where bodies alone lie between it and obstacles on both sides.
   bool by_law = false;
   /// While closed it holds its node at -s gap: a rigid one does, and a spring on a massless node that gives way by less
   /// than the rounding of the strain, kappa > (1 + eta / (h sqrt(E rho))) / rounding.
@@ -76,6 +80,8 @@ struct ContactNode : Contact {
 
   static constexpr double stiff = 1e4;  ///< kappa from which a spring is stiff
 
+  /// True if the rows of bodies and of bars beside them tell the force, as at joints: else that of the end of a bar.
+  bool has_joint_row() const { return joint > 0 || (beyond && !by_law); }
   /// True if a step of that length passes over the spring, omega times it > 10: formulas of order five accept one only
   /// where the oscillation is below their tolerance. Two nodes at a joint are not: the motion of both is what steps
   /// resolve.
@@ -119,7 +125,8 @@ class Contacts {
     return closed(i) && nodes_[i].unknown == unknown && nodes_[i].joint == 0;
   }
   bool holds_mass(std::size_t i) const { return nodes_[i].collides && closed(i); }  ///< closed, and collides
-  bool held(std::size_t unknown) const;  ///< by a closed contact that holds, against the ground
+  /// By a closed contact that holds, against the ground, or by one of a joint to a node that is.
+  bool held(std::size_t unknown) const;
   void set_closed(std::size_t i, bool closed) { closed_[i] = closed ? 1 : 0, ++revision_; }  ///< from here on
   /// Changes whenever a contact does: a factor of the dynamic stiffness is valid for one revision.
   std::uint64_t revision() const { return revision_; }
@@ -146,7 +153,7 @@ class Contacts {
 
  private:
   void add(const Contact& contact, const Penalty& penalty);
-  bool is_met_elsewhere(std::size_t i, std::size_t unknown) const;
+  void find_row(ContactNode& node) const;
   double rate_of(const ContactNode& node) const;
   void find_offsets();
 

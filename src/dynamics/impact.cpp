@@ -14,10 +14,9 @@ namespace {
 // Part of an impact: less of it is what the mass of a mesh passes on to the far end of a bar.
 constexpr double least_pull = 0.01;
 
-// The impulse on the bar of closed contact i, which holds mass, for a change of the velocities.
-double held_impulse(const Contacts& contacts, std::size_t i, std::span<const double> change) {
-  const double sign = contacts[i].joint > 0 ? joint_row(contacts, i).sign : contacts[i].sign;
-  return sign * held_inertia_times(contacts, i, change);
+// The impulse on the bar of closed contact i, which holds mass, for a change of the velocities by one of another.
+double held_impulse(const Contacts& contacts, std::size_t i, std::span<const double> change, std::size_t struck) {
+  return joint_row(contacts, i).sign * held_inertia_times(contacts, i, change, struck);
 }
 
 // (rho M)^{-1} d_i, closed contacts elsewhere holding their nodes. Those that it would pull by more than a negligible
@@ -36,7 +35,7 @@ std::vector<double> answer_of(PenalisedSystem& system, std::size_t i, double neg
     std::optional<std::size_t> pulled;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       if (k == i || !contacts.holds_mass(k)) continue;
-      if (const double pull = -held_impulse(contacts, k, answer); pull > most) most = pull, pulled = k;
+      if (const double pull = -held_impulse(contacts, k, answer, i); pull > most) most = pull, pulled = k;
     }
     if (!pulled) return answer;
     contacts.set_closed(*pulled, false);

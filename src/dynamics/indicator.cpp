@@ -28,8 +28,8 @@ std::vector<std::size_t> Indicators::entries(std::size_t i) const {
   const Contacts& contacts = contacts_;
   const BarSystem& bar = contacts.bar();
   const std::size_t node = contacts[i].unknown;
-  if (contacts[i].joint > 0) {
-    std::vector<std::size_t> entries = {node, node, node - 1};
+  if (contacts[i].has_joint_row()) {
+    std::vector<std::size_t> entries = {node, node, contacts[i].joint > 0 ? node - 1 : node};
     if (push_weights(contacts, i)) entries.insert(entries.end(), {bar.size() + node, bar.size() + node - 1});
     if (!contacts[i].collides) return entries;
     const JointRow row = joint_row(contacts, i);
@@ -54,12 +54,14 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   IndicatorWeights weights{.values = {sign}};
   const bool held = contacts[i].holds && contacts.closed(i);
   if (!load_.acts() || !(held || contacts[i].follows)) weights.offset = offset(i, 0.0);
+  if (held && contacts[i].has_joint_row()) {
+    weights.alone = false;
+    add_joint_weights(holding_row(contacts, i), weights);
+    return weights;
+  }
   if (contacts[i].joint > 0) {
     weights.alone = false;
-    if (held)
-      add_joint_weights(holding_row(contacts, i), weights);
-    else
-      weights.values = {0.0, 1.0, -1.0};
+    weights.values = {0.0, 1.0, -1.0};
     return weights;
   }
   if (!held || contacts[i].follows) return weights;
@@ -98,11 +100,12 @@ double Indicators::offset(std::size_t i, double t) const {
   const BarSystem& bar = contacts.bar();
   const std::size_t node = contacts[i].unknown;
   if (!contacts[i].follows && !(contacts[i].holds && contacts.closed(i))) return contacts.offset(i);
-  if (contacts[i].joint > 0) {
+  if (contacts[i].has_joint_row()) {
     const JointRow row = holding_row(contacts, i);
     const std::array<double, 3> origins = {contacts.origin().at(row.node), contacts.origin().at(row.next),
                                            contacts.origin().at(row.beyond)};
-    double force = row.ground_stiffness * origins[0] - row.ground_force - load_.of_bar(row.node, t);
+    double force = row.ground_stiffness * origins[0] - row.ground_force;
+    force -= row.sum_over_rows([&](std::size_t j) { return load_.of_bar(j, t); });
     for (std::size_t k = 0; k < 3; ++k) force += row.side_stiffness[k] * origins[k];
     return row.sign * (row.stiffness / row.scale * (origins[1] - origins[0]) - force / row.scale);
   }

@@ -233,6 +233,16 @@ double LoadVector::at(double t, std::size_t unknown) const {
   return sum - system_.frame().inertial_force(acceleration, unknown);
 }
 
+const std::vector<double>* LoadVector::profile() const {
+  const auto* separable = load_as<NodalLoad::Separable>();
+  const bool alone = separable && !load_->varying_forces && !system_.frame().moving() && difference_.empty();
+  return alone ? &separable->weighted : nullptr;
+}
+
+double LoadVector::history(double t) const {
+  return history_at(load_as<NodalLoad::Separable>()->history, inside(t));
+}
+
 double LoadVector::at_held(double t, bool right) const {
   const double own = distributed(inside(t), right ? system_.mesh().elements : 0);
   if (difference_.empty()) return own;

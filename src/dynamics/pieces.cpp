@@ -53,20 +53,6 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   return pieces;
 }
 
-bool has_row_at_joint(const Scene& scene, std::size_t k) {
-  const std::vector<Member>& chain = scene.chain;
-  std::size_t left = k, right = k + 1;
-  while (chain[left].rigid() && left > 0 && chain[left - 1].joint.kind == JointKind::bonded) --left;
-  while (chain[right].rigid() && right + 1 < chain.size() && chain[right].joint.kind == JointKind::bonded) ++right;
-  return !chain[left].rigid() || !chain[right].rigid() || !meets_contact(scene, k, false) ||
-         !meets_contact(scene, k + 1, true);
-}
-
-bool has_row_at_end(const Scene& scene, bool right) {
-  const std::size_t last = right ? scene.chain.size() - 1 : 0;
-  return scene.chain.empty() || !scene.chain[last].rigid() || !meets_contact(scene, last, !right);
-}
-
 BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
   BandedMatrix whole = assembled(pieces, [&](const Piece& piece) {
     BandedMatrix inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());

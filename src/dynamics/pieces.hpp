@@ -36,12 +36,6 @@ struct Piece {
 /// @throws std::invalid_argument where the mesh is not that of the chain
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh);
 
-/// True if a row tells the force of a contact behind member k: that of a bar, of that member or the next, or of one
-/// bonded to them, or that of a rigid body which nothing else meets.
-bool has_row_at_joint(const Scene& scene, std::size_t k);
-/// The same of an obstacle at an end: false for a rigid body that the next member meets.
-bool has_row_at_end(const Scene& scene, bool right);
-
 /// rho M of pieces over all nodes, rigid bodies included; the ends marked have no mass where it is redistributed.
 BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless);
 

@@ -88,9 +88,18 @@ JointForces::JointForces(const Contacts& contacts, const ActingLoad& load, RunAc
   std::size_t last = account.joints.size();
   for (std::size_t i = 0; i < contacts.size(); ++i) last = std::max(last, contacts[i].joint);
   account.joints.resize(last);
-  for (std::size_t i = 0; i < contacts.size(); ++i)
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (!contacts[i].has_joint_row()) continue;
+    const JointRow row = joint_row(contacts, i);
     if (const std::size_t number = contacts[i].joint; number > 0)
-      joints_.push_back({i, &account.joints[number - 1], joint_row(contacts, i)});
+      joints_.push_back({i, &account.joints[number - 1], row, row.sign});
+    else
+      joints_.push_back({i, contacts[i].unknown > 0 ? &account.right : &account.left, row, 1.0});
+  }
+}
+
+void JointForces::begin() {
+  for (Joint& joint : joints_) joint.row = joint_row(contacts_, joint.contact);
 }
 
 void JointForces::ask_for(std::vector<std::size_t>& entries) {
@@ -138,19 +147,20 @@ void JointForces::look_at(Joint& joint, std::size_t j, double from, double to, s
   };
   joint.momentum[j] = row.inertia[0] * value(2) + row.inertia[1] * value(3) + row.inertia[2] * value(4) +
                       row.viscosity * stretch + row.ground_viscosity * displacement(0);
+  const double t = point_of(from, to, order, j);
   joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
-                  load_.alone(row.node, point_of(from, to, order, j));
+                  row.sum_over_rows([&](std::size_t node) { return load_.alone(node, t); });
   for (std::size_t k = 0; k < 3 && contacts_.bar().side(); ++k)
     joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * value(2 + k);
 }
 
 void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
   for (Joint& joint : joints_) {
-    const auto& row = joint.row;
+    double& sum = std::visit([](auto* account) -> double& { return account->impulse; }, joint.account);
     if (joint.contact == contact)
-      joint.account->impulse += impulse;
+      sum += impulse;
     else if (contacts_.holds_mass(joint.contact))
-      joint.account->impulse += row.sign * row.inertia_times(change);
+      sum += joint.direction * held_inertia_times(contacts_, joint.contact, change, contact);
   }
 }
 
@@ -158,15 +168,16 @@ void JointForces::add(double to, double length, std::size_t order, bool extremes
   for (Joint& joint : joints_) {
     if (!contacts_.closed(joint.contact)) continue;
     const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
-    JointAccount& account = *joint.account;
-    account.impulse +=
-        joint.row.sign * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
+    const double impulse =
+        joint.direction * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
+    std::visit([&](auto* account) { account->impulse += impulse; }, joint.account);
     if (!extremes) continue;
     const Bernstein inertia = Bernstein::through(used(joint.momentum)).derivative();
     for (std::size_t j = 0; j <= order; ++j)
       joint.rate[j] =
-          joint.row.sign * (joint.rate[j] + inertia(static_cast<double>(j) / static_cast<double>(order)) / length);
-    raise(account, used(joint.rate), to, length, false);
+          joint.direction * (joint.rate[j] + inertia(static_cast<double>(j) / static_cast<double>(order)) / length);
+    const bool pulls = contacts_[joint.contact].joint == 0;
+    std::visit([&](auto* account) { raise(*account, used(joint.rate), to, length, pulls); }, joint.account);
   }
 }
 
@@ -227,6 +238,7 @@ void ContactWatch::enter_frame(std::span<const double> u, std::span<const double
 
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
+  joints_.begin();
   const auto holds = [this](std::size_t i) { return contacts_.closed(i) && contacts_[i].holds; };
   springs_ = !bar_.frame().moving() && !span_.closed() && !joints_.closed() &&
              std::ranges::none_of(
@@ -391,7 +403,8 @@ void ContactWatch::watch(EndAccount& account, bool right) {
   for (const Support& support : bar_.supports())
     if (support.unknown == unknown) end.stiffness = support.stiffness, end.dashpot = support.dashpot;
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_[i].unknown == unknown && contacts_[i].joint == 0) end.contacts.push_back(i);
+    if (contacts_[i].unknown == unknown && contacts_[i].joint == 0 && !contacts_[i].has_joint_row())
+      end.contacts.push_back(i);
   end.direct = end.follows || std::ranges::all_of(end.contacts, [&](std::size_t i) {
                  return contacts_[i].by_law || (contacts_[i].relative_stiffness < 1.0 && !contacts_[i].law.bent());
                });

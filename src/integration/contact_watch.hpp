@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "discretisation/gauss.hpp"
@@ -56,7 +57,8 @@ class SpanForce {
   PointValues force_{};
 };
 
-/// The forces of closed contacts at joints of a chain, each by the row beside it (see JointRow),
+/// The forces of closed contacts at joints of a chain, and of obstacles that meet a body as another contact does, each
+/// by the row beside it (see JointRow),
 ///
 ///     sign N = d/dt (inertia . v + c (u_node - u_next) + c_0 u_node) + k (u_node - u_next) + k_0 u_node - f_0 -
 ///              (M f)_node + (M (k u + c v))_node,
@@ -72,6 +74,8 @@ class JointForces {
   void ask_for(std::vector<std::size_t>& entries);
   /// `origin` is added to u to have displacements from here on; empty: nothing.
   void measure_from(std::span<const double> origin) { origin_ = origin; }
+  /// Takes the rows as the contacts are now, wherever they change.
+  void begin();
   void select(std::vector<std::size_t>& positions) const;
   bool closed() const;
   /// At the points of a step, by the entries of all.
@@ -83,8 +87,9 @@ class JointForces {
  private:
   struct Joint {
     std::size_t contact;
-    JointAccount* account;
+    std::variant<JointAccount*, EndAccount*> account;
     JointRow row;
+    double direction;                        // of its force: the row's sign at a joint, of an obstacle that of u
     std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
     PointValues momentum{}, rate{};
   };
@@ -205,7 +210,7 @@ class ContactWatch {
     double wall;  // displacement of a fixed neighbour, or its own in a moving frame
     std::size_t unknown = 0;
     std::optional<std::size_t> next{};                // absent: the neighbour is fixed
-    std::vector<std::size_t> contacts{};              // of its node
+    std::vector<std::size_t> contacts{};              // of its node, but for those that JointForces has
     bool follows = false;                             // its neighbour: massless and undamped
     bool direct = false;                              // true if R itself is integrated
     bool shut = false;                                // a contact of it is closed in the step looked at

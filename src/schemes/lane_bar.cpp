@@ -15,7 +15,7 @@ struct ViscousStress {
   double relaxation;
   const double *u, *w;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i] + relaxation * (w[j] - w[i]); }
-  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t = 0) const {
     return load_lanes(u + j) - load_lanes(u + i) + relaxation * (load_lanes(w + j) - load_lanes(w + i));
   }
 };
@@ -23,7 +23,7 @@ struct ViscousStress {
 struct ElasticStress {
   const double* u;
   double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i]; }
-  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j) const {
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t = 0) const {
     return load_lanes(u + j) - load_lanes(u + i);
   }
 };
@@ -105,12 +105,40 @@ void end_forces(const LaneOrder& order, const Stress& stress, double scale, doub
   forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
 }
 
-// The forces on rows, with what the load adds.
-template <class Force, class Use>
-void with_load(const LaneOrder& order, double scale, std::span<const double> load, Force&& force, Use&& use) {
-  if (load.empty()) return use(force);
-  use([ force, rows = &load[order.row(0)], per_scale = 1.0 / scale ](std::size_t k) mutable
-      __attribute__((always_inline)) { return force(k) + per_scale * load_lanes(rows + k * lane_count); });
+// The forces on rows over their scale, one row after the other, with what a load adds.
+template <class Stress, bool loaded>
+struct ForceRows {
+  Stress stress;
+  std::size_t row;     // where the first is
+  const double* load;  // on it
+  double per_scale;
+  Lanes before;  // stresses in front of the next one
+
+  [[gnu::always_inline]] Lanes without_load(std::size_t k) {
+    const std::size_t here = row + k * lane_count;
+    const Lanes next = stress.rows(here, here + lane_count, k + 1), difference = next - before;
+    before = next;
+    return difference;
+  }
+  [[gnu::always_inline]] Lanes with_load(std::size_t k, const Lanes& force) const {
+    if constexpr (loaded)
+      return force + per_scale * load_lanes(load + k * lane_count);
+    else
+      return force;
+  }
+  [[gnu::always_inline]] Lanes operator()(std::size_t k) { return with_load(k, without_load(k)); }
+  [[gnu::always_inline]] Lanes last(std::size_t k) { return (*this)(k); }
+};
+
+// Calls use(rows) with those of a stress.
+template <class Stress, class Use>
+void with_rows(const LaneOrder& order, const Stress& stress, double scale, std::span<const double> load,
+               const Lanes& before, Use&& use) {
+  const std::size_t row = order.row(0);
+  if (load.empty())
+    use(ForceRows<Stress, false>{stress, row, nullptr, 0.0, before});
+  else
+    use(ForceRows<Stress, true>{stress, row, &load[row], 1.0 / scale, before});
 }
 
 template <class Stress>
@@ -119,20 +147,14 @@ void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std
   const LaneOrder& order = factor.order();
   const std::size_t separators = order.row(order.rows), last = order.size - separators - lane_count;
   Lanes at_separators = scale * (behind(order, stress) - stress.rows(separators - lane_count, separators));
-  auto force = [ stress, row = order.row(0), before = in_front(order, stress) ](std::size_t k) mutable
-      __attribute__((always_inline)) {
-    const std::size_t here = row + k * lane_count;
-    const Lanes next = stress.rows(here, here + lane_count), difference = next - before;
-    before = next;
-    return difference;
-  };
+  const Lanes before = in_front(order, stress);
   if (!load.empty()) {
     for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
     at_separators += load_lanes(&load[separators]);
     for (std::size_t i = 1; i <= last; ++i) interface[interface.size() - i] += load[load.size() - i];
   }
   store_lanes(at_separators, &interface[order.first]);
-  with_load(order, scale, load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
+  with_rows(order, stress, scale, load, before, [&](const auto& rows) { factor.eliminate(rows, y, interface); });
 }
 
 double scale_of(const BarSystem& system) {
@@ -226,6 +248,29 @@ void LaneBar::interface_forces(const Stress& stress, std::array<double, 2> walls
   for (std::size_t i = order_.first; i < interface.size(); ++i) others[i] += loads[i];
 }
 
+// Those of runs that end within the lanes.
+template <class Rows>
+struct LaneBar::BrokenRows : Rows {
+  const Break* at;  // the next one
+  const double* stresses;
+
+  BrokenRows(const Rows& rows, const Break* first, const double* of_edges)
+      : Rows(rows), at(first), stresses(of_edges) {}
+  [[gnu::always_inline]] Lanes last(std::size_t k) {
+    Lanes difference = this->without_load(k);
+    if (k + 1 == at->row)
+      change_lanes(difference, [&](auto& differences) {
+        change_lanes(this->before, [&](auto& begins) {
+          for (; at->row == k + 1; ++at) {
+            differences[at->lane] += stresses[at->behind];
+            begins[at->lane] = stresses[at->before];
+          }
+        });
+      });
+    return this->with_load(k, difference);
+  }
+};
+
 template <class Stress>
 void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, std::span<const double> load,
                                std::span<double> y, std::span<double> interface) const {
@@ -233,24 +278,8 @@ void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, s
   const Break* at = breaks_.data();
   std::array<double, lane_count> fronts;
   for (; at->row == 0; ++at) fronts[at->lane] = stresses[at->before];
-  auto force = [ stress, at, stresses, row = order_.row(0), before = load_lanes(fronts.data()) ](std::size_t k) mutable
-      __attribute__((always_inline)) {
-    const std::size_t here = row + k * lane_count;
-    Lanes next = stress.rows(here, here + lane_count, k + 1), difference = next - before;
-    before = next;
-    if (k + 1 == at->row) {
-      change_lanes(difference, [&](auto& differences) {
-        change_lanes(before, [&](auto& begins) {
-          for (; at->row == k + 1; ++at) {
-            differences[at->lane] += stresses[at->behind];
-            begins[at->lane] = stresses[at->before];
-          }
-        });
-      });
-    }
-    return difference;
-  };
-  with_load(order_, scale_, load, force, [&](auto&& forces) { factor.eliminate(forces, y, interface); });
+  with_rows(order_, stress, scale_, load, load_lanes(fronts.data()),
+            [&](const auto& rows) { factor.eliminate(BrokenRows(rows, at, stresses), y, interface); });
 }
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,

@@ -43,6 +43,8 @@ class LaneBar {
   };
   Weights weights(const std::vector<double>& of_elements) const;
   void take_edges();
+  template <class Rows>
+  struct BrokenRows;
   template <class Stress>
   void interface_forces(const Stress& stress, std::array<double, 2> walls, std::span<const double> load,
                         std::span<double> interface) const;

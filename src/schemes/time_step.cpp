@@ -85,6 +85,10 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     solves_ = ends.size();
   }
   if (system.loaded()) load_.emplace(system, dt_);
+  if (const auto* profile = load_ ? load_->profile() : nullptr; profile && order_.rows > 0) {
+    profile_.resize(system.size());
+    order_.from_nodes(*profile, profile_);
+  }
   if (load_ && end && !load_->steady() && !system.frame().moving()) {
     load_begin_ = begin, load_end_ = *end;
     pieces_.emplace(system, dt_);
@@ -254,13 +258,13 @@ void TimeStep::enter_load(double t) {
   if (next_break_ >= load_end_) next_break_ = -unbounded;
 }
 
-// At t_n, or where the load breaks within half a step its mean over that time: what it does there is not lost, and what
-// it is at one instant is nothing.
-std::span<const double> TimeStep::load_over_step(double t) {
-  if (!pieces_) return load_->at(t);
+// Where the load breaks within half a step of t_n, its mean over that time acts: what it does there is not lost, and
+// what it is at one instant is nothing.
+bool TimeStep::take_mean(double t) {
+  if (!pieces_) return false;
   const double from = std::max(t - dt_ / 2, load_begin_), to = t + dt_ / 2;
   if (next_break_ <= from) enter_load(from);
-  if (to <= next_break_) return load_->at(t);
+  if (to <= next_break_) return false;
   std::ranges::fill(mean_, 0.0);
   for (double begin = from; begin < to;) {
     const double end = std::min(next_break_, to), share = (end - begin) / (to - from);
@@ -276,13 +280,21 @@ std::span<const double> TimeStep::load_over_step(double t) {
     if (next_break_ < to) enter_load(next_break_);
     begin = end;
   }
-  return mean_;
+  return true;
 }
 
 void TimeStep::evaluate_load(double t) {
   if (load_stays()) return;
   ++load_evaluations_;
-  load_now_ = load_over_step(t);
+  const bool breaks = take_mean(t);
+  if (!breaks && !profile_.empty()) {
+    const double now = load_->history(t);
+    const std::span<double> out = fields_[4];
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = now * profile_[i];
+    load_now_ = out;
+    return;
+  }
+  load_now_ = breaks ? std::span<const double>(mean_) : load_->at(t);
   if (order_.rows == 0) return;
   order_.from_nodes(load_now_, fields_[4]);
   load_now_ = fields_[4];

@@ -103,7 +103,7 @@ class TimeStep {
   bool load_stays() const { return !load_ || (load_->steady() && load_evaluations_ > 0); }
   void evaluate_load(double t);
   void enter_load(double t);
-  std::span<const double> load_over_step(double t);
+  bool take_mean(double t);
   void bound_contacts(double t);
   void solve(double lever);
   template <class Use>
@@ -128,7 +128,7 @@ class TimeStep {
   std::optional<LoadVector> load_, pieces_;  // the latter between its breaks, where it has any
   std::span<const double> load_now_;
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
-  std::vector<double> mean_;
+  std::vector<double> mean_, profile_;  // the latter of the load, in the order of fields
   std::vector<Contact> contacts_, stored_;
   bool obstacles_move_, bounds_stay_;  // the latter: lower_ is that of the start
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;

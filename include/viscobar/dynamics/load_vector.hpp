@@ -43,6 +43,10 @@ class LoadVector {
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }
 
+  /// Where M f(t) is a function of time alone times one vector, that vector: M f(t) = history(t) profile().
+  const std::vector<double>* profile() const;
+  double history(double t) const;  ///< not counted @throws LoadError
+
   bool steady() const { return steady_; }                   ///< the same at all times
   std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
 
