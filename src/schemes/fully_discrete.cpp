@@ -365,6 +365,7 @@ class Run {
 
   // With a restitution the constraint does not bound u^{n+1} alone.
   void measure_penetration() {
+    if (step_->keeps_off()) return;
     const std::span<const double> u = step_->u();
     double deepest = statistics_.max_penetration;
     for (std::size_t k = 0, count = active_.size(); k < count; ++k)
