@@ -266,7 +266,10 @@ class StepwisePart {
     if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
     if (!looked) {
       if (search_.selects()) select(false);
-      ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
+      const auto sample = [&](int derivative) {
+        return [&, derivative](std::size_t, double t) { return stepper_.sample(t, derivative); };
+      };
+      ends_->look_at(from, to, stepper_.order(), sample(0), sample(1));
     }
     ends_->add();
   }
@@ -358,6 +361,7 @@ class StepwisePart {
     std::ranges::sort(selected_);
     selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
     stepper_.select(selected_);
+    search_.selected(selected_);
   }
 
   // A wall or an obstacle changes its velocity at once. A rigid contact that is closed then has an impact, or

@@ -21,8 +21,7 @@ namespace viscobar::radau {
 
 namespace {
 
-// The error estimate is one of h^8.
-constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
+constexpr double safety = 0.85, largest_growth = 8.0, largest_cut = 0.1;
 constexpr double worth_a_factor = 1.25;    // growth of the step, in which a new factor pays
 constexpr double next_after_impact = 3.0;  // of the first step after the impact before, that of the next one
 
@@ -143,7 +142,7 @@ class Stepper final : public LegStepper {
   // Their weights are the same in each step.
   std::span<const PointValues> samples(double, double, int derivative, std::span<const std::size_t> asked) override {
     const Formula& formula = Formula::get();
-    static const Samples theta = Samples::LinSpaced(0.0, (2.0 * stages - 1.0) / stages);
+    static const Samples theta = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
     std::vector<PointValues>& points = points_[derivative == 0 ? 0 : 1];
     const std::size_t n = layout_.nodes;
     for (const std::size_t k : derivative == 0 ? std::span<const std::size_t>(selected_) : asked) {
@@ -168,8 +167,10 @@ class Stepper final : public LegStepper {
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
   // on (Gustafsson's predictive control).
   void grow(double h, double error) {
-    double factor = safety * std::pow(error, -exponent);
-    if (last_length_ > 0.0) factor *= std::max(1.0, h / last_length_ * std::pow(last_error_ / error, exponent));
+    // The error estimate is one of h^8.
+    const auto eighth_root = [](double x) { return std::sqrt(std::sqrt(std::sqrt(x))); };
+    double factor = safety / eighth_root(error);
+    if (last_length_ > 0.0) factor *= std::max(1.0, h / last_length_ * eighth_root(last_error_ / error));
     factor = std::clamp(factor, largest_cut, largest_growth);
     last_length_ = h, last_error_ = error;
     if (h == step_ && factor < worth_a_factor && factor > safety) return;
