@@ -68,6 +68,7 @@ void EventSearch::share(std::size_t sampled) {
   last_.resize(sampled);
   near_.resize(sampled);
   rated_.reserve(sampled);
+  own_.reserve(sampled);
   std::iota(near_.begin(), near_.end(), std::size_t{0});
   if (contacts_.collides()) values_.resize(sampled);
 }

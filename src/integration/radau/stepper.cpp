@@ -75,11 +75,12 @@ class Stepper final : public LegStepper {
       taken_ = system_.contacts().revision();
       factorised_.reset();
     }
-    evaluate();
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
     last_length_ = 0.0;
   }
 
   double advance() override {
+    evaluate();
     std::swap(begin_y_, end_y_);
     begin_t_ = end_t_;
     notice(begin_y_);
@@ -191,13 +192,12 @@ class Stepper final : public LegStepper {
     return closed;
   }
 
-  // Evaluates the state where the run is.
+  // Evaluates the state that a step begins with: the end of a step that a contact change cuts is none.
   void evaluate() {
     const std::span<const double> y(end_y_);
     system_.force(end_t_, y.first(layout_.nodes), y.subspan(layout_.nodes, layout_.nodes), force_);
     systems_.multiply_stiffness(y.subspan(layout_.nodes, layout_.nodes), stiff_rate_);
     ++statistics_.rhs_evaluations;
-    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
   }
 
   // The new state, and the error in multiples of what is allowed.
@@ -308,7 +308,7 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(end_t_, layout_.u(y));
     system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
     add_account(end_t_, y);
-    evaluate();
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
   }
 
   // Displacements of all nodes, or of the first and the last ones only, which the velocities of massless ends depend
