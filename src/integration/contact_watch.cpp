@@ -527,7 +527,7 @@ inline bool ContactWatch::take_holding_force(End& end, const std::size_t* first,
   return true;
 }
 
-// What the inertia of its neighbours has in the force of a held node with mass.
+// Adds the share of its neighbours, by their inertia, in the force of a held node with mass.
 inline void ContactWatch::add_inertia(End& end, const std::size_t* first, std::span<const PointValues> rates) const {
   const PointValues& next = rates[first[3]];
   for (std::size_t j = 0; j < next.size(); ++j) end.force[j] += end.coupling * next[j];

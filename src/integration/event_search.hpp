@@ -165,11 +165,11 @@ class EventSearch {
   Indicators indicators_;
   LegStepper& stepper_;
   std::size_t count_;
-  std::vector<std::size_t> entries_, first_;             // entries of contact i: [first_[i], first_[i + 1])
-  std::vector<std::size_t> all_, looked_at_;             // contacts, and those that are sampled in this step
-  std::vector<std::size_t> near_, rated_;                // entries of the latter, and those whose rates count
-  std::span<const std::size_t> selected_;                // what the stepper samples, unless the search selects
-  std::vector<std::size_t> own_;                         // entries of one contact
+  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
+  std::vector<std::size_t> near_, rated_;     // entries of the latter, and those whose rates count
+  std::span<const std::size_t> selected_;     // positions that the stepper samples, unless the search selects
+  std::vector<std::size_t> own_;              // entries of one contact
   std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end

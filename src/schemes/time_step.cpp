@@ -64,7 +64,6 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       stored_(contacts_),
       obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.moves(one); })),
       bounds_stay_(!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman),
-      keeps_off_(bounds_stay_ && std::ranges::none_of(contacts_, [](const Contact& one) { return one.joint > 0; })),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
   if (covers_span(system.contacts())) {
     solver_.emplace<SpanConstraint>(step_matrix(system, dt_));

@@ -70,7 +70,6 @@ class TimeStep {
   /// The same as places in the order of fields.
   const std::vector<Contact>& stored_contacts() const { return stored_; }
   bool obstacles_move() const { return obstacles_move_; }  ///< true if any of these does
-  bool keeps_off() const { return keeps_off_; }            ///< true if u^n is in K_h to the last bit
   /// s u + gap(t) of contact k for a displacement u of its node, at a joint against the one before.
   double clearance(std::size_t k, double t, double u) const {
     return contacts_[k].sign * u + (obstacles_move_ ? system_.gap(contacts_[k], t) : contacts_[k].gap);
@@ -130,7 +129,7 @@ class TimeStep {
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
   std::vector<double> mean_;
   std::vector<Contact> contacts_, stored_;
-  bool obstacles_move_, bounds_stay_, keeps_off_;  // the second: lower_ is that of the start
+  bool obstacles_move_, bounds_stay_;  // the latter: lower_ is that of the start
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   EndConstraint* ends_ = nullptr;          // the solver, but under a span obstacle
   std::span<const unsigned char> active_;  // of it
