@@ -180,7 +180,7 @@ ContactWatch::ContactWatch(const PenalisedSystem& system, RunAccount& account, b
       joints_(contacts_, load_, account) {
   for (const bool right : {false, true}) {
     EndAccount& end = right ? account.right : account.left;
-    const std::optional<double>& wall = bar_.wall(right);
+    const std::optional<double>& wall = bar_.unknowns().wall(right);
     if (!wall)
       watch(end, right);
     else if (bar_.inputs()[right].motion)
@@ -228,9 +228,9 @@ void ContactWatch::enter_frame(std::span<const double> u, std::span<const double
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
   const auto holds = [this](std::size_t i) { return contacts_.closed(i) && contacts_[i].holds; };
-  springs_ = !bar_.moving() && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, [&](const End& end) {
-    return end.follows || std::ranges::any_of(end.contacts, holds);
-  });
+  springs_ = !bar_.frame().moving() && !span_.closed() && !joints_.closed() &&
+             std::ranges::none_of(
+                 ends_, [&](const End& end) { return end.follows || std::ranges::any_of(end.contacts, holds); });
   for (End& end : ends_) {
     const std::array<double, 6> values = values_of(end, u, w);
     const double now = displacement(end, t, values);
@@ -302,7 +302,7 @@ void ContactWatch::add_rates(double weight, double t, std::span<const double> y)
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {
-  return bar_.moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
+  return bar_.frame().moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
            return (extremes_ && fastest * (to - seen_) >= room) || closed(end);
@@ -385,16 +385,16 @@ void ContactWatch::add_extremes(End& end) {
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {
-  const std::size_t n = bar_.size(), unknown = bar_.end(right);
-  const double h = bar_.stretch_at(unknown);
-  const BandedMatrix& inertia = bar_.inertia();
-  const bool massless = bar_.massless(unknown);
+  const std::size_t n = bar_.size(), unknown = bar_.unknowns().end(right);
+  const double h = bar_.elements().stretch_beside(unknown);
+  const BandedMatrix& inertia = bar_.inertia().matrix();
+  const bool massless = bar_.inertia().massless(unknown);
   const std::array<double, 3> row = inertia.one_sided_entries(unknown, unknown > 0);
-  End& end = ends_.emplace_back(End{&account, right, bar_.wall(!right).value_or(0.0), unknown});
+  End& end = ends_.emplace_back(End{&account, right, bar_.unknowns().wall(!right).value_or(0.0), unknown});
   if (n > 1) end.next = right ? unknown - 1 : 1;
-  end.follows = massless && !bar_.damped();
+  end.follows = massless && !bar_.bar().damped();
   end.modulus = bar_.bar().modulus / h,
-  end.viscosity = bar_.bar().viscosity / bar_.rate_stretch(bar_.element_at(unknown));
+  end.viscosity = bar_.bar().viscosity / bar_.elements().rate_stretch(bar_.elements().beside(unknown));
   end.mass = inertia.diagonal[unknown] + row[0], end.beyond = row[2];
   if (end.next && !inertia.is_diagonal()) end.coupling = inertia.off_diagonal[std::min(unknown, *end.next)] + row[1];
   for (const Support& support : bar_.supports())
@@ -436,7 +436,7 @@ inline bool ContactWatch::holds_mass(const End& end) const {
 inline double ContactWatch::stored(const End& end, std::span<const double> y) const {
   if (end.direct || end.contacts.empty()) return 0.0;
   const double without_viscosity = momentum(end, y) + end.dashpot * (y[0] + end.origin);
-  return bar_.damped() ? without_viscosity + end.viscosity * end.stretch(y) : without_viscosity;
+  return bar_.bar().damped() ? without_viscosity + end.viscosity * end.stretch(y) : without_viscosity;
 }
 
 // (E / h) p of a contact that the neighbour decides on, from its u and w.
@@ -496,7 +496,7 @@ inline void ContactWatch::look_at(End& end, const std::size_t* first, double fro
   const std::size_t entries = needed(end);
   const bool rates = end.shut && !(apart_ && springs_) && !add_alike_rates(end, first, y);
   const bool forces = end.shut && extremes_ && !take_holding_force(end, first, from, y);
-  const bool moves = extremes_ && (end.follows || end.entries.empty() || bar_.moving());
+  const bool moves = extremes_ && (end.follows || end.entries.empty() || bar_.frame().moving());
   for (std::size_t j = 0; extremes_ && !moves && j < end.u.size(); ++j) end.u[j] = y[first[0]][j] + end.origin;
   for (std::size_t j = moves || rates || forces ? 0 : order_; j <= order_; ++j) {
     const double t = point_of(from, seen_, order_, j);

@@ -240,7 +240,7 @@ class ContactWatch {
   static std::array<double, 6> values_of(const End& end, std::span<const double> u, std::span<const double> w);
   void add_extremes(End& end);
   // Added to displacements in the frame it gives those of the bar, where that jumps on the side of the leg.
-  double lift(const End& end, double t) const { return bar_.moving() ? load_.lift(t, 0).of(end.right) : 0.0; }
+  double lift(const End& end, double t) const { return bar_.frame().moving() ? load_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
   // Its first entries: of an open end the displacement alone.
   std::size_t needed(const End& end) const {

@@ -175,7 +175,7 @@ bool EventSearch::may_reach_moving(double begin, double end, double whole) {
   for (const std::size_t i : moving_) {
     const Contact& contact = contacts_[i];
     const auto clearance = [&](double t) {
-      return oriented(i, t, at(t)) + (system_.bar().gap(contact, t) - contact.gap);
+      return oriented(i, t, at(t)) + (system_.bar().frame().gap(contact, t) - contact.gap);
     };
     const double rounding = contacts_[i].clearance_rounding(stepper_.weights().largest_displacement());
     if (may_reach_within(whole, clearance, breaks_of_gap(system_.bar(), contact), rounding, begin, end)) return true;
@@ -234,9 +234,10 @@ double EventSearch::against(std::size_t i, double t, std::span<const double> y) 
   const std::size_t n = system_.size(), node = contacts_[i].unknown;
   const std::span<const double> u = y.first(n), w = y.subspan(n, n);
   if (contacts_[i].changes_by_row)
-    return -sign(i) * row_reaction(system_, i, t, u, w) * system_.bar().stretch_at(node) / system_.bar().bar().modulus;
+    return -sign(i) * row_reaction(system_, i, t, u, w) * system_.bar().elements().stretch_beside(node) /
+           system_.bar().bar().modulus;
   // The indicator of an undamped node without mass is its neighbour's.
-  return system_.bar().massless(node) ? 0.0 : sign(i) * contacts_[i].sign * contacts_[i].of(w);
+  return system_.bar().inertia().massless(node) ? 0.0 : sign(i) * contacts_[i].sign * contacts_[i].of(w);
 }
 
 double EventSearch::against(std::size_t i, double t) {
@@ -253,8 +254,8 @@ double EventSearch::push(std::size_t i, double t) {
   acceleration_.resize(n);
   stepper_.interpolate(t, state_);
   const std::span<double> u(state_.data(), n), w(state_.data() + n, n);
-  return resting_force(system_, i, t, u, w, acceleration_) * system_.bar().stretch_at(contacts_[i].unknown) /
-         system_.bar().bar().modulus;
+  return resting_force(system_, i, t, u, w, acceleration_) *
+         system_.bar().elements().stretch_beside(contacts_[i].unknown) / system_.bar().bar().modulus;
 }
 
 // Positive where the bar presses the node of contact i, open now, back before it rises by what is uncertain: a spring
@@ -325,7 +326,8 @@ bool EventSearch::counts(std::size_t i, double from, double until, const Bernste
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = contacts_[i].unknown;
-  const double h = system_.bar().stretch_at(node), impedance = system_.bar().massless(node) ? 0.0 : bar.impedance();
+  const double h = system_.bar().elements().stretch_beside(node),
+               impedance = system_.bar().inertia().massless(node) ? 0.0 : bar.impedance();
   const double force = std::max(-pushes.mean(), 0.0) * bar.modulus / h;
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;

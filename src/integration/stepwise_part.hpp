@@ -11,7 +11,7 @@
 
 #include "dynamics/energy_terms.hpp"
 #include "dynamics/impact.hpp"
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/contact_watch.hpp"
@@ -51,7 +51,7 @@ class StepwisePart {
         search_(system, stepper, layout.size),
         watchdog_(begin, times.back()),
         ends_alone_(!observers.interior && !observers.reactions && !observers.energy && !sensitivities &&
-                    !system.bar().moving()),
+                    !system.bar().frame().moving()),
         snapshot_(system, observers.reactions, !ends_alone_),
         filter_(system.bar()),
         y_(layout.size),
@@ -281,7 +281,7 @@ class StepwisePart {
     EnergyAccount& energy = *statistics_.energy;
     energy.notice(entry(layout_.dissipated) + entry(layout_.end_inertia) + energy.end_inertia, entry(layout_.work));
     const Bar& bar = system_.bar().bar();
-    if (!system_.bar().moving()) return;
+    if (!system_.bar().frame().moving()) return;
     const Lift rate = system_.load().lift(t, 1);
     energy.largest = std::max({energy.largest, 0.5 * bar.density * bar.length * rate.left * rate.left,
                                0.5 * bar.density * bar.length * rate.right * rate.right});
@@ -347,7 +347,8 @@ class StepwisePart {
   // Undamped nodes without mass follow their row at once. Where a load jumps, or opens or closes their contact by that,
   // the energy that it gives them is its work: that of a force which grows there as fast as one likes.
   void follow_load(double t) {
-    const bool works = layout_.work && t == load_break_ && system_.bar().has_massless() && !system_.bar().damped();
+    const bool works =
+        layout_.work && t == load_break_ && system_.bar().inertia().has_massless() && !system_.bar().bar().damped();
     const double before = works ? energy(contacts_, u(), w()) : 0.0;
     system_.complete_displacement(t, u());
     if (works) y_[*layout_.work] += energy(contacts_, u(), w()) - before;
@@ -367,12 +368,12 @@ class StepwisePart {
   // A wall or an obstacle changes its velocity at once. A rigid contact that is closed then has an impact, or
   // opens. So does one whose obstacle jumps away; what its penalty has stored is lost, as work of the obstacle.
   void pass_kink(double t) {
-    const auto jump = system_.bar().kink(t, times_.back());
+    const auto jump = system_.bar().frame().kink(t, times_.back());
     if (sensitivities_) sensitivities_->pass_kink(t, times_.back(), jump ? &*jump : nullptr, y_);
     if (!jump) return;
     kink_ = t;
     const double before = layout_.work ? energy(contacts_, u(), w()) : 0.0;
-    system_.bar().pass_kink(*jump, u(), w());
+    system_.bar().frame().pass_kink(*jump, u(), w());
     tie_joints(contacts_, w());
     if (jump->displaces()) leave_obstacles(t, *jump);
     if (layout_.work) y_[*layout_.work] += energy(contacts_, u(), w()) - before;
@@ -380,7 +381,7 @@ class StepwisePart {
       const std::size_t node = contacts_[i].unknown;
       if (!contacts_.holds_mass(i) || contacts_[i].joint > 0) continue;
       // A kink of the other end's motion leaves a rounding.
-      if (jump->velocity.at(system_.bar().share(node)) == 0.0) w()[node] = 0.0;
+      if (jump->velocity.at(system_.bar().frame().share(node)) == 0.0) w()[node] = 0.0;
       if (w()[node] == 0.0) continue;
       contacts_.set_closed(i, false);
       if (sensitivities_) changes_ = sensitivities_->at_break(t, times_.back(), i, y_);
@@ -463,7 +464,8 @@ class StepwisePart {
         y_[*layout_.dissipated] += (opens ? 1.0 : -1.0) * contacts_[i].law.stop()->energy(-contacts_.clearance(i, u()));
       if (!opens) close(t, i, velocity());
       // A node that follows its neighbour at once is put where the new state has it as the next leg begins.
-      if (!by_push && (!system_.bar().massless(node) || system_.bar().damped())) contacts_.place(i, u());
+      if (!by_push && (!system_.bar().inertia().massless(node) || system_.bar().bar().damped()))
+        contacts_.place(i, u());
       if (opens) {
         contacts_.set_closed(i, false);
         if (pulled) give_back(contacts_[i].sign * search_.held_back());
@@ -489,7 +491,7 @@ class StepwisePart {
   // The velocity that the pull of a contact has taken from the bar before it opened, and the heat that made of it.
   void give_back(double velocity) {
     if (velocity == 0.0) return;
-    const auto kinetic = [&] { return 0.5 * system_.bar().inertia().quadratic_form(w()); };
+    const auto kinetic = [&] { return 0.5 * system_.bar().inertia().matrix().quadratic_form(w()); };
     const double before = kinetic();
     for (std::size_t i = 0; i < layout_.nodes; ++i)
       if (!contacts_.held(i)) w()[i] += velocity;
@@ -501,7 +503,7 @@ class StepwisePart {
     if (contacts_[i].collides) return strike(t, i, velocity);
     tell_event(t, i, Change::closing, velocity);
     contacts_.set_closed(i, true);
-    watchdog_.close(t, contacts_[i].unknown + system_.bar().first_node(), contacts_[i].rate);
+    watchdog_.close(t, contacts_[i].unknown + system_.bar().unknowns().first_node(), contacts_[i].rate);
   }
 
   // The impact of a rigid contact. `closing` is the velocity that its closing is told with, absent where that has been
@@ -510,7 +512,7 @@ class StepwisePart {
   // strikes, or an obstacle moves in by more than half of that velocity and turns back, it is one.
   void strike(double t, std::size_t i, std::optional<double> closing) {
     ErrorWeights& weights = stepper_.weights();
-    const double h = system_.bar().stretch_at(contacts_[i].unknown);
+    const double h = system_.bar().elements().stretch_beside(contacts_[i].unknown);
     std::vector<double> change(w().begin(), w().end());
     const Collision collision =
         collide(system_, i, t, u(), w(),
@@ -519,8 +521,7 @@ class StepwisePart {
     if (layout_.dissipated) y_[*layout_.dissipated] += collision.dissipated;
     if (layout_.end_inertia) y_[*layout_.end_inertia] += collision.end_inertia;
     const double leaves = contacts_[i].of(w());
-    const bool of_scene = system_.bar().mass_at(contacts_[i]) > 0.0 ||
-                          (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
+    const bool of_scene = mass_at(contacts_[i]) > 0.0 || (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
                           2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing.value_or(0.0));
     const bool counts =
         collision.rests || leaves != 0.0 || !closing || (std::abs(*closing) > weights.promised_velocity() && of_scene);
@@ -554,7 +555,7 @@ class StepwisePart {
   // The velocity of the frame at a contact is that of its obstacle, at a kink on the side of the leg.
   double frame_velocity(double t, std::size_t i) const {
     const BarSystem& bar = system_.bar();
-    return bar.moving() ? bar.lift_at(contacts_[i], system_.load().lift(t, 1)) : 0.0;
+    return bar.frame().moving() ? bar.frame().lift_at(contacts_[i], system_.load().lift(t, 1)) : 0.0;
   }
 
   // A closing that is not told yet, and when its node struck last.
@@ -570,7 +571,7 @@ class StepwisePart {
     const Mesh& mesh = system_.bar().mesh();
     const Bar& bar = system_.bar().bar();
     const Contact& contact = contacts_[i];
-    const double h = mesh.element(contact.joint > 0              ? system_.bar().element_at(contact.unknown)
+    const double h = mesh.element(contact.joint > 0              ? system_.bar().elements().beside(contact.unknown)
                                   : contact.where == Where::left ? 0
                                                                  : mesh.elements - 1);
     return t - withheld_->last < h * bar.slowness();
@@ -587,12 +588,14 @@ class StepwisePart {
   void tell_closing(double t, std::size_t i, double velocity) {
     if (!goes_on(t, i)) return tell_event(t, i, Change::closing, velocity);
     const Withheld first = *std::exchange(withheld_, std::nullopt);
-    notifier_.event(first.time, system_.bar(), contacts_[i], Change::closing, first.velocity, first.sensitivities);
+    notifier_.event(first.time, system_.bar().unknowns(), contacts_[i], Change::closing, first.velocity,
+                    first.sensitivities);
   }
 
   void tell_event(double t, std::size_t i, Change change, double velocity) {
     withheld_.reset();  // events are told in their order
-    notifier_.event(t, system_.bar(), contacts_[i], change, velocity + frame_velocity(t, i), sensitivities_at(t, i));
+    notifier_.event(t, system_.bar().unknowns(), contacts_[i], change, velocity + frame_velocity(t, i),
+                    sensitivities_at(t, i));
   }
 
   std::vector<ChangeSensitivity> sensitivities_at(double t, std::size_t i) const {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "dynamics/jump_filter.hpp"
+#include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "dynamics/obstacle_motion.hpp"
 #include "run/notifier.hpp"
@@ -54,7 +54,7 @@ class Run {
     if (!observers_.snapshot) return;
     u_nodal_.resize(system.mesh().nodes()), v_nodal_ = u_nodal_;
     u_.resize(system.size()), v_ = u_;
-    if (system.left_fixed() || system.right_fixed()) a_nodal_.resize(u_nodal_.size());
+    if (system.unknowns().left_fixed() || system.unknowns().right_fixed()) a_nodal_.resize(u_nodal_.size());
   }
 
   Statistics operator()() {
@@ -117,7 +117,7 @@ class Run {
   }
 
   // A load that breaks within half a step of t_n is there its mean, and has jumped by a share of the whole.
-  double ahead() const { return system_.moving() ? 0.0 : scheme_.step / 2; }
+  double ahead() const { return system_.frame().moving() ? 0.0 : scheme_.step / 2; }
 
   // The next break, a share of which is in the load at t: the rest is passed with the next step.
   double enter_break(double t) {
@@ -204,7 +204,7 @@ class Run {
       const double of_frame = energy_->of_frame(time(1));
       // E^{1/2} is of the motion after what the start takes at once.
       const bool struck =
-          !system_.moving() && std::ranges::any_of(step_->start_impulse(), [](double of) { return of > 0.0; });
+          !system_.frame().moving() && std::ranges::any_of(step_->start_impulse(), [](double of) { return of > 0.0; });
       const double at_start =
           struck ? std::max(system_.energy(start.u, start.v), energy_->energy()) : energy_->energy();
       const double dissipated = taken.energy + at_start - energy_->energy();
@@ -233,20 +233,21 @@ class Run {
 
   double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
 
-  double gap(std::size_t k, std::size_t n) const { return system_.gap(step_->contacts()[k], time(n)); }
+  double gap(std::size_t k, std::size_t n) const { return system_.frame().gap(step_->contacts()[k], time(n)); }
 
   // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
   void refuse_jumps(double t) {
     if (!step_->obstacles_move()) return;
     for (const Contact& contact : step_->contacts()) {
-      if (!system_.moves(contact) || !breaks_of_gap(system_, contact)) continue;
+      if (!system_.frame().moves(contact) || !breaks_of_gap(system_, contact)) continue;
       const NextBreak& next = breaks_of_gap(system_, contact);
       const double until = t + scheme_.step * (1.0 + 1e-9);
       const double apart = rounding_of_times(0.0, times_.back());
       for (auto at = next(t, until); at; at = next(*at + apart, until)) {
-        const double jump = system_.gap_jump(contact, *at, times_.back());
-        if (jump < 0.0 &&
-            contact.sign * step_->u()[step_->order().place(contact.unknown)] + system_.gap(contact, *at + apart) < 0.0)
+        const double jump = system_.frame().gap_jump(contact, *at, times_.back());
+        if (jump < 0.0 && contact.sign * step_->u()[step_->order().place(contact.unknown)] +
+                                  system_.frame().gap(contact, *at + apart) <
+                              0.0)
           throw LoadError(*at, into_the_bar(contact, *at));
       }
     }
@@ -271,30 +272,30 @@ class Run {
     std::ranges::copy(start.u, u_.begin());
     std::ranges::copy(start.v, v_.begin());
     for (const std::size_t i : {std::size_t{0}, u_.size() - 1})
-      if (system_.massless(i)) u_[i] = u_before(i), v_[i] = step_->p()[i];
+      if (system_.inertia().massless(i)) u_[i] = u_before(i), v_[i] = step_->p()[i];
     write(0.0);
   }
 
   void write(double theta) {
-    system_.expand_displacement(u_, u_nodal_);
-    system_.expand_velocity(v_, v_nodal_);
+    system_.unknowns().expand_displacement(u_, u_nodal_);
+    system_.unknowns().expand_velocity(v_, v_nodal_);
     const double t = times_[written_++];
     if (!a_nodal_.empty()) {
       // A start of first order has none of its own.
       const auto a = step_->acceleration(), before = n_ > 1 ? step_->acceleration_before() : a;
       a_nodal_.front() = a_nodal_.back() = 0.0;
       step_->order().to_nodes([&](std::size_t i) { return theta * a[i] + (1.0 - theta) * before[i]; },
-                              std::span(a_nodal_).subspan(system_.first_node(), system_.size()));
+                              std::span(a_nodal_).subspan(system_.unknowns().first_node(), system_.size()));
     }
-    if (system_.moving()) {
-      system_.add_lift(system_.lift(t, 0), u_nodal_);
-      system_.add_lift(system_.lift(t, 1), v_nodal_);
-      if (!a_nodal_.empty()) system_.add_lift(system_.lift(t, 2), a_nodal_);
+    if (system_.frame().moving()) {
+      system_.frame().add_lift(system_.frame().lift(t, 0), u_nodal_);
+      system_.frame().add_lift(system_.frame().lift(t, 1), v_nodal_);
+      if (!a_nodal_.empty()) system_.frame().add_lift(system_.frame().lift(t, 2), a_nodal_);
     }
     Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
     snapshot.reaction_span = reactions_->of_span(theta);
     joint_forces_.clear();
-    for (const JointNodes& joint : system_.joints()) {
+    for (const JointNodes& joint : system_.elements().joints()) {
       double force = joint.stiffness * (u_nodal_[joint.node - 1] - u_nodal_[joint.node]) +
                      joint.damping * (v_nodal_[joint.node - 1] - v_nodal_[joint.node]);
       for (std::size_t k = 0; k < step_->contacts().size(); ++k)
@@ -314,7 +315,7 @@ class Run {
 
   // In the direction of u.
   double reaction_at(bool right, double theta) const {
-    if (system_.wall(right))
+    if (system_.unknowns().wall(right))
       return system_.holding_force(right, u_nodal_, v_nodal_, a_nodal_, step_->load_held(times_[written_ - 1], right));
     return reactions_->of_end(right, theta);
   }
@@ -331,7 +332,7 @@ class Run {
     const auto &contacts = step_->contacts(), &stored = step_->stored_contacts();
     const double dt = scheme_.step;
     const auto mass = [&](std::size_t k) {
-      return system_.bar().density * system_.stretch_at(contacts[k].unknown) / 2.0;
+      return system_.bar().density * system_.elements().stretch_beside(contacts[k].unknown) / 2.0;
     };
     double size = 0.0;
     for (const double u : step_->u()) size = std::max(size, std::abs(u));
@@ -356,8 +357,8 @@ class Run {
   void tell(double t, std::size_t k, Change change, double velocity) {
     if (t > times_.back()) return;
     const Contact& contact = step_->contacts()[k];
-    if (system_.moving()) velocity += system_.lift_at(contact, system_.lift(t, 1));
-    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system_.first_node();
+    if (system_.frame().moving()) velocity += system_.frame().lift_at(contact, system_.frame().lift(t, 1));
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + system_.unknowns().first_node();
     Event event{t, contact.where, node, change, velocity};
     count_change(statistics_, event);
     if (statistics_.account && change == Change::closing) reactions_->close(k, t, event, *statistics_.account);

@@ -65,7 +65,7 @@ void Run::fail(Failure why, const std::exception& cause) {
 // Undamped nodes without mass follow their rows at once. Where a load jumps, or opens or closes their contact by that,
 // the energy that it gives them is its work.
 double Run::energy_of_followers() {
-  if (!statistics_.energy || !system_.has_massless() || system_.damped()) return 0.0;
+  if (!statistics_.energy || !system_.inertia().has_massless() || system_.bar().damped()) return 0.0;
   const std::vector<double> w(system_.size());
   return energy(penalised_.contacts(), displacement(), w);
 }
@@ -76,18 +76,18 @@ void Run::enter_piece() {
 }
 
 void Run::pass_kink() {
-  const auto jump = system_.kink(t_, times_.back());
+  const auto jump = system_.frame().kink(t_, times_.back());
   if (!jump) return;
   std::vector<double> u = displacement(), w = velocity(), change = w;
   const double before = energy(penalised_.contacts(), u, w);
-  system_.pass_kink(*jump, u, w);
+  system_.frame().pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   std::vector<std::size_t> left;
   if (jump->displaces()) left = left_by_jump(penalised_.contacts(), *jump, t_, u, largest_displacement_);
   if (ends_ && !jump->displaces()) ends_->pass_kink(change);
   for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
-    y_[k] -= jump->displacement.at(system_.share(first_displacement() + static_cast<std::size_t>(k)));
-  const std::size_t first = system_.massive_begin(), count = system_.massive_end() - first;
+    y_[k] -= jump->displacement.at(system_.frame().share(first_displacement() + static_cast<std::size_t>(k)));
+  const std::size_t first = system_.inertia().massive_begin(), count = system_.inertia().massive_end() - first;
   std::copy_n(w.data() + first, count, y_.data() + leg().displacements());
   if (jump->displaces()) leave_obstacles(left, u, w);
   if (statistics_.energy) statistics_.energy->work += energy(penalised_.contacts(), u, w) - before;
@@ -122,7 +122,7 @@ std::vector<double> Run::displacement() {
 std::vector<double> Run::velocity() const {
   std::vector<double> w(system_.size(), 0.0);
   std::ranges::copy(y_.tail(leg().size() - leg().displacements()),
-                    w.begin() + static_cast<std::ptrdiff_t>(system_.massive_begin()));
+                    w.begin() + static_cast<std::ptrdiff_t>(system_.inertia().massive_begin()));
   return w;
 }
 
@@ -262,7 +262,7 @@ bool Run::advance() {
 
 double Run::negligible_load() const {
   const double duration = times_.back() - times_.front();
-  const double massless = system_.has_massless() ? system_.mesh().spacing() / system_.bar().modulus : 0.0;
+  const double massless = system_.inertia().has_massless() ? system_.mesh().spacing() / system_.bar().modulus : 0.0;
   return rounding * largest_displacement_ / std::max(duration * duration * propagators_.inverse_inertia(), massless);
 }
 
@@ -324,7 +324,7 @@ void Run::take_short_step(double tau) {
   for (std::size_t c = 0; c < contacts(); ++c) {
     const Contact& contact = penalised_.contacts()[c];
     const auto clearance = [&](double at) {
-      return value(distances[c], (at - t_) / tau) + (system_.gap(contact, at) - contact.gap);
+      return value(distances[c], (at - t_) / tau) + (system_.frame().gap(contact, at) - contact.gap);
     };
     if (penalised_.contacts()[c].moves) {
       if (may_reach_within(run_length(), clearance, breaks_of_gap(system_, contact), distance_.band(c, known), t_,
@@ -410,8 +410,9 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
 
 void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
-  if (system_.moving()) velocity += system_.lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
-  notifier_.event(t_, system_, penalised_.contacts()[c],
+  if (system_.frame().moving())
+    velocity += system_.frame().lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
+  notifier_.event(t_, system_.unknowns(), penalised_.contacts()[c],
                   penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }
 
@@ -432,7 +433,7 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
                                               double tau, double penetration) const {
   std::vector<VectorXd> displacements, velocities, loads, accelerations;
   for (std::size_t k = 0; k < motion.size(); ++k) {
-    if (system_.moving() || system_.side()) displacements.push_back(motion[k].col(0));
+    if (system_.frame().moving() || system_.side()) displacements.push_back(motion[k].col(0));
     velocities.push_back(motion[k].col(1) / tau);
     if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
     if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
@@ -451,10 +452,10 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
 }
 
 FrameFlow Run::frame_flow(double tau) const {
-  if (!system_.moving() && !system_.side()) return {};
+  if (!system_.frame().moving() && !system_.side()) return {};
   return [this, tau](double sigma, const VectorXd& u, const VectorXd& v, const VectorXd& a) {
     const double t = t_ + sigma * tau, loss = frame_loss(penalised_.bar(), t, entries(v));
-    const bool moves = system_.moving() && system_.has_end_rows();
+    const bool moves = system_.frame().moving() && system_.has_end_rows();
     const VectorXd placed = u + propagators_.origin();
     const double end = moves ? end_power(penalised_, t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
     return EnergyFlow{loss, loss + end, end + leg().side_power(v, u)};
@@ -527,8 +528,8 @@ void Run::tell_snapshot(double t, const VectorXd& u, const VectorXd& v, const Se
     }
     return sum;
   };
-  if (!system_.left_fixed()) snapshot.reaction_left = reaction(0);
-  if (!system_.right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
+  if (!system_.unknowns().left_fixed()) snapshot.reaction_left = reaction(0);
+  if (!system_.unknowns().right_fixed()) snapshot.reaction_right = reaction(v.size() - 1);
   notifier_.snapshot(snapshot);
 }
 

@@ -240,7 +240,8 @@ class Stepper final : public LegStepper {
       weights[2][l] = Lanes{} + of_w[l];
       weights[3][l] = Lanes{} + h * of_u[l];
     }
-    const std::size_t n = layout_.nodes, first = system_.bar().massive_begin(), last = system_.bar().massive_end();
+    const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
+                      last = system_.bar().inertia().massive_end();
     const double *const begin_u = begin_y_.data(), *const begin_w = begin_u + n;
     double *const end_u = end_y_.data(), *const end_w = end_u + n;
     const Complex* const x = x_.data();
@@ -351,7 +352,7 @@ class Stepper final : public LegStepper {
 
   std::span<const double> accelerations(double t) override {
     const Parts weights = Formula::get().weights((t - begin_t_) / h_, 1);
-    accelerations_.resize(system_.bar().row_values());
+    accelerations_.resize(system_.bar().inertia().row_values());
     row_values(
         layout_.nodes, [&](std::size_t i) { return combined(weights, x_[i]) / h_; }, accelerations_);
     return accelerations_;
@@ -426,7 +427,9 @@ class Stepper final : public LegStepper {
 
 }  // namespace
 
-bool takes(const BarSystem& system) { return system.damped() && ShiftedSystems::middle_of(system.inertia()); }
+bool takes(const BarSystem& system) {
+  return system.bar().damped() && ShiftedSystems::middle_of(system.inertia().matrix());
+}
 
 std::unique_ptr<LegStepper> make_stepper(const StepperParts& run, const Tolerance& tolerance) {
   return std::make_unique<Stepper>(run, tolerance);
