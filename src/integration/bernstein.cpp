@@ -66,15 +66,37 @@ Bernstein Bernstein::through(std::span<const double> samples) {
   // Sums of their own, which stay in registers.
   using Four = Eigen::Array4d;
   const auto part = [&](std::size_t j, Eigen::Index k) { return Four::Map(of[j].data() + 4 * k) * samples[j]; };
-  Four a = part(0, 0), b = part(0, 1), c = part(0, 2), d = part(0, 3);
+  Four a = part(0, 0), b = part(0, 1), c = part(0, 2);
   for (std::size_t j = 1; j < samples.size(); ++j) {
     a += part(j, 0);
     b += part(j, 1);
     c += part(j, 2);
-    d += part(j, 3);
   }
-  for (const auto& [k, sum] : {std::pair{0, &a}, {4, &b}, {8, &c}, {12, &d}}) Four::Map(p.c_.data() + k) = *sum;
+  for (const auto& [k, sum] : {std::pair{0, &a}, {4, &b}, {8, &c}}) Four::Map(p.c_.data() + k) = *sum;
+  for (std::size_t j = 0; p.degree_ >= 12 && j < samples.size(); ++j) p.c_[12] += of[j][12] * samples[j];
   return p;
+}
+
+Bernstein Bernstein::between(double from, double to) const {
+  Bernstein part = *this;
+  double* const c = part.c_.data();
+  for (std::size_t r = degree_; r > 0; --r)
+    for (std::size_t j = 0; j < r; ++j) c[j] += from * (c[j + 1] - c[j]);
+  const double share = (to - from) / (1.0 - from);
+  for (std::size_t first = 1; first <= degree_ && share < 1.0; ++first)
+    for (std::size_t j = degree_; j >= first; --j) c[j] = c[j - 1] + share * (c[j] - c[j - 1]);
+  return part;
+}
+
+Bernstein Bernstein::negative() const {
+  Bernstein other = *this;
+  for (double& c : other.c_) c = -c;
+  return other;
+}
+
+double Bernstein::mean() const {
+  return std::accumulate(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1, 0.0) /
+         static_cast<double>(degree_ + 1);
 }
 
 Bernstein Bernstein::of_powers(std::span<const double> coefficients) {
@@ -207,11 +229,7 @@ double Bernstein::largest(double known) const {
   return known;
 }
 
-double Bernstein::smallest(double known) const {
-  Bernstein negative = *this;
-  for (double& c : negative.c_) c = -c;
-  return -negative.largest(-known);
-}
+double Bernstein::smallest(double known) const { return -negative().largest(-known); }
 
 std::optional<double> Bernstein::first_descent(double threshold, double finest, double before) const {
   // Mostly nothing descends: that is told before anything is copied.

@@ -23,7 +23,14 @@ class Bernstein {
   /// p'; of degree 0 it is 0.
   Bernstein derivative() const;
   double operator()(double s) const;
-  /// Integral over [0, 1] of the polynomial through samples.
+  /// The same on [from, to], a part of [0, 1] that does not begin at its end, as [0, 1].
+  Bernstein between(double from, double to) const;
+  Bernstein negative() const;  ///< -p
+  double end() const { return c_[degree_]; }
+  /// It begins at 0 where it begins below.
+  void begin_at_least_at_zero() { c_[0] = c_[0] > 0.0 ? c_[0] : 0.0; }
+  double mean() const;  ///< its integral over [0, 1]
+  /// The same of the polynomial through samples.
   static double mean(std::span<const double> samples);
   /// How far it may leave the samples' range to either side, in lengths of that range: (Lebesgue's constant - 1) / 2.
   static double excess(std::size_t degree);

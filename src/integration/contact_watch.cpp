@@ -317,16 +317,28 @@ bool ContactWatch::concerned(double to, double fastest) const {
   return bar_.frame().moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
-           return fastest * (to - seen_) >= room || closed(end);
+           return (extremes_ && fastest * (to - seen_) >= room) || closed(end);
          });
 }
 
-void ContactWatch::look_at(double from, double to, std::size_t order, std::span<const PointValues> y) {
+void ContactWatch::select_rates(std::vector<std::size_t>& positions) const {
+  const std::size_t* first = positions_.data();
+  for (const End& end : ends_) {
+    for (std::size_t k = 3; extremes_ && holds_mass(end) && k < std::min<std::size_t>(5, end.entries.size()); ++k)
+      if (std::ranges::find(positions, first[k]) == positions.end()) positions.push_back(first[k]);
+    first += end.entries.size();
+  }
+}
+
+void ContactWatch::look_at(double from, double to, std::size_t order, std::span<const PointValues> y,
+                           std::span<const PointValues> rates) {
   length_ = to - from, seen_ = to, order_ = order;
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
     end.shut = closed(end);
-    look_at(end, std::exchange(position, position + end.entries.size()), from, y);
+    if (end.shut || extremes_) look_at(end, position, from, y);
+    if (end.shut && extremes_ && holds_mass(end)) add_inertia(end, position, rates);
+    position += end.entries.size();
   }
   span_.look_at(order, y);
   joints_.look_at(from, to, order, y);
@@ -365,7 +377,6 @@ void ContactWatch::add() {
   span_.add(seen_, length_, order_);
   joints_.add(seen_, length_, order_, extremes_);
   for (End& end : ends_) {
-    end.account->displacement = end.u[order_];
     if (extremes_) add_extremes(end);
     if (!end.shut || (apart_ && springs_)) continue;
     end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
@@ -375,16 +386,14 @@ void ContactWatch::add() {
 
 void ContactWatch::add_extremes(End& end) {
   EndAccount& account = *end.account;
+  account.displacement = end.u[order_];
   const auto [most, least] = beyond(end.u);
-  if (most > account.highest) account.highest = through(end.u).largest(account.highest);
-  if (least < account.lowest) account.lowest = through(end.u).smallest(account.lowest);
-  if (!end.shut) return;
-  if (holds_mass(end)) {
-    const Bernstein inertia = through(end.momentum).derivative();
-    for (std::size_t j = 0; j <= order_; ++j)
-      end.force[j] += inertia(static_cast<double>(j) / static_cast<double>(order_)) / length_;
+  if (most > account.highest || least < account.lowest) {
+    const Bernstein u = through(end.u);
+    account.highest = u.largest(account.highest);
+    account.lowest = u.smallest(account.lowest);
   }
-  raise(account, used(end.force), seen_, length_);
+  if (end.shut) raise(account, used(end.force), seen_, length_);
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {
@@ -499,17 +508,45 @@ inline void ContactWatch::look_at(End& end, const std::size_t* first, double fro
                                   std::span<const PointValues> y) const {
   const std::size_t entries = needed(end);
   const bool rates = end.shut && !(apart_ && springs_) && !add_alike_rates(end, first, y);
-  for (std::size_t j = extremes_ || rates ? 0 : order_; j <= order_; ++j) {
+  const bool forces = end.shut && extremes_ && !take_holding_force(end, first, from, y);
+  const bool moves = extremes_ && (end.follows || end.entries.empty() || bar_.frame().moving());
+  for (std::size_t j = 0; extremes_ && !moves && j < end.u.size(); ++j) end.u[j] = y[first[0]][j] + end.origin;
+  for (std::size_t j = moves || rates || forces ? 0 : order_; j <= order_; ++j) {
     const double t = point_of(from, seen_, order_, j);
     std::array<double, 6> values{};
     for (std::size_t e = 0; e < entries; ++e) values[e] = y[first[e]][j];
-    if (extremes_ || j == order_) end.u[j] = displacement(end, t, std::span(values).first(entries));
+    if (moves) end.u[j] = displacement(end, t, std::span(values).first(entries));
     if (rates) end.rate[j] = rate(end, t, values);
+    if (forces) end.force[j] = reaction(end, t, values);
     if (end.shut && j == order_) end.stored_now = stored(end, values);
-    if (!end.shut || !extremes_) continue;
-    end.force[j] = reaction(end, t, values);
-    if (holds_mass(end)) end.momentum[j] = momentum(end, values);
   }
+}
+
+// reaction() at all points at once, where one contact that holds is all that is closed, without a side. False: it is
+// not.
+inline bool ContactWatch::take_holding_force(End& end, const std::size_t* first, double from,
+                                             std::span<const PointValues> y) const {
+  if (end.contacts.size() != 1 || !contacts_[end.contacts.front()].holds || end.follows || end.sided || !end.next)
+    return false;
+  const Contact& contact = contacts_[end.contacts.front()];
+  const double share = 1.0 - contacts_[end.contacts.front()].penetration_share(), by_u = share * end.modulus,
+               by_w = share * end.viscosity,
+               rest = share * contact.sign *
+                      (end.modulus * contact.clearance(end.origin_next) + end.stiffness * contact.gap);
+  const PointValues &u = y[first[1]], &w = y[first[3]];
+  for (std::size_t j = 0; j < u.size(); ++j) end.force[j] = -(by_u * u[j] + by_w * w[j] + rest);
+  for (std::size_t j = 0; load_.acts() && j <= order_; ++j)
+    end.force[j] -= share * load_.alone(end.unknown, point_of(from, seen_, order_, j));
+  return true;
+}
+
+// Adds the share of its neighbours, by their inertia, in the force of a held node with mass.
+inline void ContactWatch::add_inertia(End& end, const std::size_t* first, std::span<const PointValues> rates) const {
+  const PointValues& next = rates[first[3]];
+  for (std::size_t j = 0; j < next.size(); ++j) end.force[j] += end.coupling * next[j];
+  if (end.entries.size() < 5) return;
+  const PointValues& beyond = rates[first[4]];
+  for (std::size_t j = 0; j < beyond.size(); ++j) end.force[j] += end.beyond * beyond[j];
 }
 
 // rate() at all points at once, where it is one sum without a load or a side. False: it is not.

@@ -17,6 +17,9 @@
 
 namespace viscobar {
 
+/// The rates of entries (see ContactWatch::look_at) by methods that hold no node with mass, where nobody asks for any.
+inline constexpr auto no_rates = [](std::size_t, double) { return std::span<const double>(); };
+
 /// The force of a span obstacle on the bar in the direction of u, the sum of its springs,
 ///
 ///     R(t) = sum over closed contacts i of  - s_i k_i (s_i u_i + gap_i) - c_i u_i'
@@ -126,6 +129,8 @@ class ContactWatch {
   void ask_for(std::vector<std::size_t>& entries);
   /// Appends the positions among all of those that it needs as long as the contacts are as they are.
   void select(std::vector<std::size_t>& positions) const;
+  /// The same, of those that are not there yet, of the velocities whose rates it needs.
+  void select_rates(std::vector<std::size_t>& positions) const;
 
   /// Content of a checkpoint, beside the account.
   static void members(auto& watch, auto&& each) {
@@ -160,14 +165,20 @@ class ContactWatch {
   /// have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
 
-  /// Looks at the step from `from` up to `to`, by the entries at its points.
-  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
-  /// The same with `sample(j, t)`, which gives the entries at t = from + j (to - from) / order.
-  template <class Sample>
-  void look_at(double from, double to, std::size_t order, Sample&& sample) {
+  /// Looks at the step from `from` up to `to`, by the entries at its points and their rates.
+  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y,
+               std::span<const PointValues> rates);
+  /// The same with `sample(j, t)` and `rate(j, t)`, which give the entries at t = from + j (to - from) / order and
+  /// their rates.
+  template <class Sample, class Rate>
+  void look_at(double from, double to, std::size_t order, Sample&& sample, Rate&& rate) {
     selected_.clear();
     select(selected_);
-    look_at(from, to, order, sample_points(from, to, order, selected_, points_, sample));
+    sample_points(from, to, order, selected_, points_, sample);
+    selected_.clear();
+    select_rates(selected_);
+    if (!selected_.empty()) sample_points(from, to, order, selected_, rate_points_, rate);
+    look_at(from, to, order, std::span<const PointValues>(points_), std::span<const PointValues>(rate_points_));
   }
 
   /// Adds to the impulses of springs() that are closed what a step that has been added or passed brings: by Gauss'
@@ -223,7 +234,6 @@ class ContactWatch {
     std::vector<std::size_t> entries{};
     double origin = 0.0, origin_next = 0.0, origin_beyond = 0.0, stored = 0.0, stored_now = 0.0;
     PointValues u{}, force{}, rate{};  // over the step looked at; the last two of a closed contact
-    PointValues momentum{};            // of its row, where inertia has a share in the force
 
     double stretch(std::span<const double> y) const {
       return next ? y[0] - y[1] + (origin - origin_next) : y[0] + (origin - wall);
@@ -273,6 +283,8 @@ class ContactWatch {
   double reaction(const End& end, double t, std::span<const double> y) const;
   void look_at(End& end, const std::size_t* first, double from, std::span<const PointValues> y) const;
   bool add_alike_rates(End& end, const std::size_t* first, std::span<const PointValues> y) const;
+  bool take_holding_force(End& end, const std::size_t* first, double from, std::span<const PointValues> y) const;
+  void add_inertia(End& end, const std::size_t* first, std::span<const PointValues> rates) const;
   std::pair<double, double> beyond(const PointValues& values) const;
   std::span<const double> used(const PointValues& values) const { return std::span(values).first(order_ + 1); }
   Bernstein through(const PointValues& values) const { return Bernstein::through(used(values)); }
@@ -286,8 +298,8 @@ class ContactWatch {
   JointForces joints_;
   std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end
   std::vector<std::size_t> selected_;
-  std::vector<PointValues> points_;   // of these
-  double length_ = 0.0, seen_ = 0.0;  // of the step looked at, and its end
+  std::vector<PointValues> points_, rate_points_;  // of these
+  double length_ = 0.0, seen_ = 0.0;               // of the step looked at, and its end
   std::size_t order_ = 0;
 };
 

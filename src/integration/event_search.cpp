@@ -58,8 +58,7 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
     look_up(i);
     const bool of_joint = contacts_[i].joint > 0 && !contacts_.closed(i);
     bounded_ &= (weights_[i].alone || of_joint) && weights_[i].offset;
-    const std::size_t end = weights_[i].alone && !lets_go(i) ? first_[i] + 1 : first_[i + 1];
-    for (std::size_t position = first_[i]; position < end; ++position) positions.push_back(position);
+    for (std::size_t k = first_[i], behind = end_of_needed(i); k < behind; ++k) positions.push_back(k);
   }
 }
 
@@ -69,6 +68,7 @@ void EventSearch::share(std::size_t sampled) {
   last_.resize(sampled);
   near_.resize(sampled);
   rated_.reserve(sampled);
+  own_.reserve(sampled);
   std::iota(near_.begin(), near_.end(), std::size_t{0});
   if (contacts_.collides()) values_.resize(sampled);
 }
@@ -82,16 +82,29 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   with_rates_ = !rated_.empty();
   const std::size_t order = stepper_.order();
   const bool looking = ends && !selects() && !ends->idle();
+  if (looking) ends->select_rates(rated_);
   const std::span<const PointValues> points = stepper_.samples(begin, end, 0, near_);
   std::span<const PointValues> rates;
-  if (with_rates_) rates = stepper_.samples(begin, end, 1, rated_);
+  if (!rated_.empty()) rates = stepper_.samples(begin, end, 1, rated_);
   for (const std::size_t i : looked_at_) {
     orient(i, begin, end, weights_[i], points, rates, samples_[i]);
     if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
   }
-  if (looking) ends->look_at(begin, end, order, points);
+  if (looking) ends->look_at(begin, end, order, points, rates);
   double first = 2.0;
-  bool later = false;
+  bool later = false, narrowed = false;
+  // Where a contact changes is looked for by its own entries.
+  const auto narrow = [&](std::size_t i) {
+    if (selects()) return;
+    own_.clear();
+    for (std::size_t k = first_[i], behind = end_of_needed(i); k < behind; ++k) own_.push_back(k);
+    stepper_.select(own_);
+    narrowed = true;
+  };
+  const auto widened = [&](auto found) {
+    if (narrowed) stepper_.select(selected_);
+    return found;
+  };
   for (const std::size_t i : looked_at_) {
     if (contacts_[i].moves) continue;
     const std::span<const double> values = std::span(samples_[i]).first(order + 1);
@@ -102,21 +115,27 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
     if (lets_go_ && lets_go(i)) {
+      if (narrowed) narrow(i);
       const auto change = change_of_stop(i, begin, end, values, -uncertainty(i) - of_time);
       if (change && change->s < first) first = change->s, which_ = i, later = change->later, by_push_ = change->by_push;
       continue;
     }
-    const auto descent = Bernstein::through(values).first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
-    const auto s = descent ? agreed(i, begin, end, *descent) : descent;
+    const Bernstein p = Bernstein::through(values);
+    const auto descent = p.first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
+    if (!descent) continue;
+    narrow(i);
+    const auto s = agreed(i, begin, end, *descent, p);
     if (s && *s < first) first = *s, which_ = i, later = s != descent, by_push_ = false;
   }
-  if (first > 1.0) return std::nullopt;
+  if (first > 1.0) return widened(std::optional<double>());
   const double t = begin + first * (end - begin);
-  if (later || against(which_, t) > 0.0) return t;
+  if (later || (lets_go(which_) && against(which_, t) > 0.0))  // agreed() has asked the others
+    return widened(std::optional(t));
+  narrow(which_);
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
   const double time = polished(begin, end, t, which_);
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
-  return !by_push_ && against(which_, time) > 0.0 ? t : time;
+  return widened(std::optional(!by_push_ && against(which_, time) > 0.0 ? t : time));
 }
 
 std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i, double begin, double end,
@@ -137,7 +156,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
     return by_depth && !(lets_go && *lets_go < *by_depth) ? first(by_depth, false) : first(lets_go, true);
   if (!by_depth) return std::nullopt;
   if (*by_depth > 0.0) {
-    const auto s = agreed(i, begin, end, *by_depth);
+    const auto s = agreed(i, begin, end, *by_depth, Bernstein());
     return s ? std::optional(StopChange{*s, false, s != by_depth}) : std::nullopt;
   }
   // It has been let go inside.
@@ -248,9 +267,9 @@ double EventSearch::pressed_back(std::size_t i, double t) {
   return -contacts_[i].sign * contacts_[i].of(acceleration_) * within - 0.5 * leaves * leaves;
 }
 
-// The first part of the step from s on at which contact i changes, whose indicator has descended there: where nothing
-// speaks against it any more.
-std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s) {
+// The first part of the step from s on at which contact i changes, whose oriented indicator p has descended there:
+// where nothing speaks against it any more. The row of a held node with mass is p itself.
+std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s, const Bernstein& p) {
   // From s on.
   const auto wait = [&](auto&& speaks_against) {
     const double from = begin + s * (end - begin);
@@ -259,49 +278,57 @@ std::optional<double> EventSearch::agreed(std::size_t i, double begin, double en
     if (part) s += *part * (1.0 - s);
     return part.has_value();
   };
-  if (!wait([&](double t) { return against(i, t); })) return std::nullopt;
-  if (!contacts_.closed(i) || !springs(i)) return opens_by_pull(i) ? lasting(i, begin, end, s) : std::optional(s);
+  if (!contacts_.holds_mass(i) && !wait([&](double t) { return against(i, t); })) return std::nullopt;
+  if (!contacts_.closed(i) || !springs(i)) return opens_by_pull(i) ? lasting(i, begin, end, s, p) : std::optional(s);
   system_.contacts().set_closed(i, false);
   std::optional<double> opens;
   if (wait([&](double t) { return pressed_back(i, t); }))
-    opens = toggles(i) && !rebounds(i) ? lasting(i, begin, end, s) : s;
+    opens = toggles(i) && !rebounds(i) ? lasting(i, begin, end, s, p) : s;
   system_.contacts().set_closed(i, true);
   return opens;
 }
 
 // Where contact i opens, which pulls from the part s of the step on, and maybe since earlier: by all that it pulls up
 // to the end of the step, or by one of the pulls in it that the rest of a long step outweighs.
-std::optional<double> EventSearch::lasting(std::size_t i, double begin, double end, double s) {
+std::optional<double> EventSearch::lasting(std::size_t i, double begin, double end, double s, const Bernstein& p) {
   Pull& pull = pulls_[i];
   if (pull.until != begin) pull = {};
-  if (counts(i, begin + s * (end - begin), end, pull)) return s;
+  const auto time = [=](double part) { return part == 1.0 ? end : begin + part * (end - begin); };
+  const auto push_between = [&](double from, double to) {
+    return contacts_.holds_mass(i)
+               ? p.between(from, to)
+               : Bernstein::through(between(time(from), time(to), [&](double t) { return push(i, t); }));
+  };
+  const auto turn_of = [](const Bernstein& of, double from) {
+    const auto turn = of.first_descent(0.0);
+    return turn ? std::optional(from + *turn * (1.0 - from)) : std::nullopt;
+  };
+  Bernstein pushes = push_between(s, 1.0);
+  if (counts(i, time(s), end, pushes, pull)) return s;
   // No more of them than a polynomial has zeros.
   for (std::size_t k = 0; k < stepper_.order(); ++k) {
-    const double from = begin + s * (end - begin);
-    std::array<double, Bernstein::max_degree + 1> pulls{};
-    std::ranges::transform(push_between(i, from, end), pulls.begin(), std::negate());
-    pulls.front() = std::max(pulls.front(), 0.0);  // it begins here, but for rounding
-    const auto turn = Bernstein::through(std::span(pulls).first(stepper_.order() + 1)).first_descent(0.0);
-    if (!turn) return std::nullopt;
-    const double until = from + *turn * (end - from);
-    if (Pull one; counts(i, from, until, one)) return pull = one, s;
-    const auto next = Bernstein::through(push_between(i, until, end)).first_descent(0.0);
+    Bernstein pulls = pushes.negative();
+    pulls.begin_at_least_at_zero();  // but for rounding
+    const auto until = turn_of(pulls, s);
+    if (!until) return std::nullopt;
+    if (Pull one; counts(i, time(s), time(*until), push_between(s, *until), one)) return pull = one, s;
+    const auto next = turn_of(push_between(*until, 1.0), *until);
     if (!next) return std::nullopt;
-    s = (until + *next * (end - until) - begin) / (end - begin);
+    s = *next;
+    pushes = push_between(s, 1.0);
   }
   return std::nullopt;
 }
 
-// True if contact i opens by its pull with that of the time from `from` to `until`.
-bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
+// True if contact i opens by its pull with that of the time from `from` to `until`, the bar pushing it as told.
+bool EventSearch::counts(std::size_t i, double from, double until, const Bernstein& pushes, Pull& pull) const {
   const double time = until - from;
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = contacts_[i].unknown;
   const double h = system_.bar().elements().stretch_beside(node),
                impedance = system_.bar().inertia().massless(node) ? 0.0 : bar.impedance();
-  const std::span<const double> against = push_between(i, from, until);
-  const double force = std::max(-Bernstein::mean(against), 0.0) * bar.modulus / h;
+  const double force = std::max(-pushes.mean(), 0.0) * bar.modulus / h;
   const double gained = force / (bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
@@ -311,11 +338,11 @@ bool EventSearch::counts(std::size_t i, double from, double until, Pull& pull) {
     pull.of_body += force / mass * time;
   }
   pull.since = std::min(pull.since, from);
-  pull.until = against.back() < 0.0 ? until : -std::numeric_limits<double>::infinity();
+  pull.until = pushes.end() < 0.0 ? until : -std::numeric_limits<double>::infinity();
   const bool counts = pull.velocity > weights.velocity_tolerance() ||
                       pull.distance > weights.displacement_tolerance() || pull.of_body > weights.velocity_tolerance() ||
                       pull.way_of_body > weights.displacement_tolerance() ||
-                      (contacts_[i].collides && Bernstein::through(against).first_descent(-noticed(i, h)));
+                      (contacts_[i].collides && pushes.first_descent(-noticed(i, h)));
   if (counts) pull.velocity -= gained;
   return counts;
 }

@@ -46,6 +46,8 @@ class EventSearch {
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
   /// Appends the positions of those that it needs as long as the contacts are as they are.
   void select(std::vector<std::size_t>& positions);
+  /// The stepper samples these as long as they are, unless the search selects. They outlive it.
+  void selected(std::span<const std::size_t> positions) { selected_ = positions; }
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
   /// True if the search selects what the stepper samples.
@@ -99,12 +101,16 @@ class EventSearch {
   bool look_at_the_near();
   bool lets_go(std::size_t i) const { return lets_go_ && pushes_[i]; }
   void look_up(std::size_t i);  // its weights, as the contacts are
+  // Behind the entries of contact i that are needed.
+  std::size_t end_of_needed(std::size_t i) const {
+    return weights_[i].alone && !lets_go(i) ? first_[i] + 1 : first_[i + 1];
+  }
   void select_entries(const std::vector<std::size_t>& contacts);
   bool far(std::size_t i) const;
   double uncertainty(std::size_t i) const;
   double against(std::size_t i, double t, std::span<const double> y);
   double against(std::size_t i, double t);
-  std::optional<double> agreed(std::size_t i, double begin, double end, double s);
+  std::optional<double> agreed(std::size_t i, double begin, double end, double s, const Bernstein& p);
   // Where a stop changes that lets go, as a part of the step, whether by its push condition, and whether later than
   // that or its indicator says. `values` are those of its oriented indicator, of which `level` is uncertain.
   struct StopChange {
@@ -120,7 +126,7 @@ class EventSearch {
       against_[j] = f(j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
     return std::span(against_).first(order + 1);
   }
-  std::optional<double> lasting(std::size_t i, double begin, double end, double s);
+  std::optional<double> lasting(std::size_t i, double begin, double end, double s, const Bernstein& p);
   double noticed(std::size_t i, double h) const;
   bool opens_by_pull(std::size_t i) const {
     return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
@@ -132,17 +138,13 @@ class EventSearch {
   bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
   double push(std::size_t i, double t);
   double pressed_back(std::size_t i, double t);
-  // The same on the way from `from` to `end`, at equidistant points.
-  std::span<const double> push_between(std::size_t i, double from, double end) {
-    return between(from, end, [&](double t) { return push(i, t); });
-  }
   // Pull of a closed contact that opens by it: its beginning, how far it is known, and what the bar, its node and a
   // rigid body at it have missed.
   struct Pull {
     double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
     double of_body = 0.0, way_of_body = 0.0;
   };
-  bool counts(std::size_t i, double from, double until, Pull& pull);
+  bool counts(std::size_t i, double from, double until, const Bernstein& pushes, Pull& pull) const;
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
@@ -163,9 +165,11 @@ class EventSearch {
   Indicators indicators_;
   LegStepper& stepper_;
   std::size_t count_;
-  std::vector<std::size_t> entries_, first_;             // entries of contact i: [first_[i], first_[i + 1])
-  std::vector<std::size_t> all_, looked_at_;             // contacts, and those that are sampled in this step
-  std::vector<std::size_t> near_, rated_;                // entries of the latter, and those whose rates count
+  std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
+  std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
+  std::vector<std::size_t> near_, rated_;     // entries of the latter, and those whose rates count
+  std::span<const std::size_t> selected_;     // positions that the stepper samples, unless the search selects
+  std::vector<std::size_t> own_;              // entries of one contact
   std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end

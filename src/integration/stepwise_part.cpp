@@ -173,7 +173,10 @@ void StepwisePart::watch_ends(double from, double to, bool looked) {
   if (!looked && !ends_->concerned(to, 2.0 * stepper_.weights().largest_velocity())) return;
   if (!looked) {
     if (search_.selects()) select(false);
-    ends_->look_at(from, to, stepper_.order(), [&](std::size_t, double t) { return stepper_.sample(t, 0); });
+    const auto sample = [&](int derivative) {
+      return [&, derivative](std::size_t, double t) { return stepper_.sample(t, derivative); };
+    };
+    ends_->look_at(from, to, stepper_.order(), sample(0), sample(1));
   }
   ends_->add();
 }
@@ -282,6 +285,7 @@ void StepwisePart::select(bool for_search) {
   std::ranges::sort(selected_);
   selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
   stepper_.select(selected_);
+  search_.selected(selected_);
 }
 
 void StepwisePart::tell_snapshot(double t) {

@@ -65,6 +65,7 @@ class Run {
       step_.emplace(system_, start, times_.front(), scheme_, times_.back() + scheme_.step);
       energy_.emplace(system_, *step_, times_, scheme_.step);
       was_active_.assign(step_->contacts().size(), 0);
+      may_penetrate_ = may_penetrate();
       active_ = step_->active();
       reactions_.emplace(system_, *step_, times_, scheme_.step, steps_);
       if (checkpoint) {
@@ -364,8 +365,16 @@ class Run {
     if (observers_.event) notifier_.told(event);
   }
 
-  // With a restitution the constraint does not bound u^{n+1} alone.
+  // With a restitution the constraint does not bound u^{n+1} alone, and at a joint to rounding. Else u^{n+1} is in K_h
+  // to the last bit.
+  bool may_penetrate() const {
+    const auto at_joint = [](const Contact& contact) { return contact.joint > 0; };
+    return scheme_.restitution > 0.0 || scheme_.impact != Impact::paoli_schatzman || step_->obstacles_move() ||
+           std::ranges::any_of(step_->contacts(), at_joint);
+  }
+
   void measure_penetration() {
+    if (!may_penetrate_) return;
     const std::span<const double> u = step_->u();
     double deepest = statistics_.max_penetration;
     for (std::size_t k = 0, count = active_.size(); k < count; ++k)
@@ -411,6 +420,7 @@ class Run {
   std::size_t steps_ = 1, n_ = 1, written_ = 0;
   std::span<const unsigned char> active_;  // of the step
   std::vector<unsigned char> was_active_;
+  bool may_penetrate_ = true;
   double largest_ = 0.0;  // force on a contact that a change has met
   JumpFilter filter_;
   std::optional<PenalisedSystem> settled_;  // the system of the scheme, as the filter takes it

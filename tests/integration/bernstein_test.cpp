@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "run/step_failure.hpp"
@@ -26,6 +27,18 @@ TEST(Bernstein, ReproducesPolynomialsOfItsDegree) {
     // The inverse of the sampling matrix grows like 4^degree / degree at most.
     const double tolerance = 2.3e-16 * std::pow(4.0, static_cast<double>(degree));
     for (const double s : {0.0, 0.123, 0.5, 0.777, 1.0}) EXPECT_NEAR(b(s), p(s), tolerance) << degree;
+  }
+}
+
+TEST(Bernstein, IsTheSamePolynomialOnAPartOfItsInterval) {
+  for (std::size_t degree = 1; degree <= Bernstein::max_degree; ++degree) {
+    const Bernstein p = polynomial(degree, [](double s) { return std::cos(4.0 * s); });
+    for (const auto& [from, to] : {std::pair{0.0, 0.3}, {0.25, 0.5}, {0.6, 1.0}, {1.0, 1.0}}) {
+      const Bernstein part = p.between(from, to);
+      for (const double s : {0.0, 0.4, 1.0}) EXPECT_NEAR(part(s), p(from + s * (to - from)), 1e-14) << degree;
+      EXPECT_EQ(part.end(), part(1.0));
+      EXPECT_EQ(part.negative()(0.4), -part(0.4));
+    }
   }
 }
 
@@ -52,6 +65,7 @@ TEST(Bernstein, FindsItsExtremesBetweenSamplesAndItsMean) {
     EXPECT_NEAR(b.smallest(100.0), least, tolerance) << degree;
     EXPECT_EQ(b.largest(100.0), 100.0);
     EXPECT_NEAR(Bernstein::mean(samples), mean, tolerance) << degree;
+    EXPECT_NEAR(Bernstein::through(samples).mean(), mean, tolerance) << degree;
     const auto [low, high] = std::ranges::minmax(samples);
     EXPECT_LE(most, high + Bernstein::excess(degree) * (high - low) + tolerance);
     EXPECT_GE(least, low - Bernstein::excess(degree) * (high - low) - tolerance);

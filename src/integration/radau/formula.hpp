@@ -32,7 +32,7 @@ inline void store_lanes(const Lanes& stored, double* x) { std::memcpy(x, &stored
 }
 using Parts = std::array<double, parts>;  ///< of the poles: real parts, then imaginary parts
 /// At theta = j / stages, j = 0 .. stages. What is behind it is 0 and makes whole vectors of it.
-using Samples = Eigen::Array<double, 2 * stages, 1>;
+using Samples = Eigen::Array<double, stages + lanes, 1>;
 
 /// A complex number for each of the poles. Calls of its arithmetic would cost a tenth of a run on few elements.
 struct Complex {

@@ -21,8 +21,7 @@ namespace viscobar::radau {
 
 namespace {
 
-// The error estimate is one of h^8.
-constexpr double safety = 0.85, exponent = 1.0 / 8.0, largest_growth = 8.0, largest_cut = 0.1;
+constexpr double safety = 0.85, largest_growth = 8.0, largest_cut = 0.1;
 constexpr double worth_a_factor = 1.25;    // growth of the step, in which a new factor pays
 constexpr double next_after_impact = 3.0;  // of the first step after the impact before, that of the next one
 
@@ -76,11 +75,12 @@ class Stepper final : public LegStepper {
       taken_ = system_.contacts().revision();
       factorised_.reset();
     }
-    evaluate();
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
     last_length_ = 0.0;
   }
 
   double advance() override {
+    evaluate();
     std::swap(begin_y_, end_y_);
     begin_t_ = end_t_;
     notice(begin_y_);
@@ -143,7 +143,7 @@ class Stepper final : public LegStepper {
   // Their weights are the same in each step.
   std::span<const PointValues> samples(double, double, int derivative, std::span<const std::size_t> asked) override {
     const Formula& formula = Formula::get();
-    static const Samples theta = Samples::LinSpaced(0.0, (2.0 * stages - 1.0) / stages);
+    static const Samples theta = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
     std::vector<PointValues>& points = points_[derivative == 0 ? 0 : 1];
     const std::size_t n = layout_.nodes;
     for (const std::size_t k : derivative == 0 ? std::span<const std::size_t>(selected_) : asked) {
@@ -168,8 +168,10 @@ class Stepper final : public LegStepper {
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
   // on (Gustafsson's predictive control).
   void grow(double h, double error) {
-    double factor = safety * std::pow(error, -exponent);
-    if (last_length_ > 0.0) factor *= std::max(1.0, h / last_length_ * std::pow(last_error_ / error, exponent));
+    // The error estimate is one of h^8.
+    const auto eighth_root = [](double x) { return std::sqrt(std::sqrt(std::sqrt(x))); };
+    double factor = safety / eighth_root(error);
+    if (last_length_ > 0.0) factor *= std::max(1.0, h / last_length_ * eighth_root(last_error_ / error));
     factor = std::clamp(factor, largest_cut, largest_growth);
     last_length_ = h, last_error_ = error;
     if (h == step_ && factor < worth_a_factor && factor > safety) return;
@@ -190,13 +192,12 @@ class Stepper final : public LegStepper {
     return closed;
   }
 
-  // Evaluates the state where the run is.
+  // Evaluates the state that a step begins with: the end of a step that a contact change cuts is none.
   void evaluate() {
     const std::span<const double> y(end_y_);
     system_.force(end_t_, y.first(layout_.nodes), y.subspan(layout_.nodes, layout_.nodes), force_);
     systems_.multiply_stiffness(y.subspan(layout_.nodes, layout_.nodes), stiff_rate_);
     ++statistics_.rhs_evaluations;
-    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
   }
 
   // The new state, and the error in multiples of what is allowed.
@@ -308,7 +309,7 @@ class Stepper final : public LegStepper {
     system_.complete_displacement(end_t_, layout_.u(y));
     system_.complete_velocity(end_t_, layout_.u(y), layout_.w(y));
     add_account(end_t_, y);
-    evaluate();
+    if (derivatives_) derivatives_->evaluate(systems_, end_t_, end_y_);
   }
 
   // Displacements of all nodes, or of the first and the last ones only, which the velocities of massless ends depend
