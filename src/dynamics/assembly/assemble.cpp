@@ -43,8 +43,6 @@ void refuse_misfits(const Scene& scene, Mass mass) {
     throw std::invalid_argument(
         "mass \"redistributed\" does not fit a spring, a dashpot, a mass or a stop with a law of its own at an end, whose "
         "node must keep its mass");
-  if (scene.span && (scene.left_input.motion || scene.right_input.motion))
-    throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
 }
 
 std::shared_ptr<const Elements> elements_of(const Scene& scene, const Mesh& mesh, const Unknowns& unknowns, Mass mass) {
@@ -80,6 +78,8 @@ BarSystem::BarSystem(const Scene& scene, const Mesh& mesh, Mass mass)
   if (scene.side) side_.emplace(side_rows(*scene.side, *elements_, mass, massless));
   take_inertia();
   find_contacts(scene);
+  if (moved && scene.span)
+    throw std::invalid_argument("a span obstacle stands still, and does not fit ends that are moved");
   initial_ = viscobar::initial_state(scene, *this, whole);
   for (const bool right : {false, true}) {
     const EndInput& input = inputs_[right];
