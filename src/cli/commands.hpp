@@ -125,6 +125,9 @@ class Study {
   /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else `text` and where the
   /// pictures are. @throws IoError
   void finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv = "") const;
+  /// True if that would replace a complete result.
+  bool replaces_whole() const { return is_complete(directory_.path() / (name_ + ".json")); }
+  const std::filesystem::path& path() const { return directory_.path(); }  ///< directory of the results
 
  private:
   const StudyOptions& options_;

@@ -94,6 +94,10 @@ int study_limit(const LimitOptions& asked) {
   const std::optional<ErrorEstimate> missed = study.estimate && !study.estimate->kept ? study.estimate : std::nullopt;
   const LimitResult result = limit_of(study);
   status.clear();
+  if (interrupt_asked() && files.replaces_whole()) {
+    complain(fmt::format("interrupted; nothing was changed: {} holds a complete study", files.path().string()));
+    return stopped;
+  }
   const CouplingResult coupling = balance_errors(study, result);
   files.finish(limit_json(scene, study, result, coupling), limit_page(study, result, coupling),
                limit_text(study, result, coupling), limit_csv(result));

@@ -189,6 +189,18 @@ SpaceTimeFunction Formula::derivative(std::string_view by) const {
   return derived<First, 1>(tree_, {by});
 }
 
+SpaceTimeFunction Formula::mean_derivative(std::string_view by, double length) const {
+  const SpaceTimeFunction slope = derivative(by);
+  const NextBreak breaks = places(length).breaks;
+  if (!slope || !breaks) return slope;
+  return [slope, breaks, length](double x, double t) {
+    const double apart = 1e-12 * length;
+    if (!breaks(x - apart, x + apart)) return slope(x, t);
+    const double below = x < apart ? x + apart : x - apart, above = x + apart > length ? below : x + apart;
+    return 0.5 * (slope(below, t) + slope(above, t));
+  };
+}
+
 TimeFunction Formula::derivative_of_t(int order, std::string_view by) const {
   if (series_)
     return [series = series_, order, none = !by.empty()](double t) { return none ? 0.0 : (*series)(t, order); };

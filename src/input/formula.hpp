@@ -70,6 +70,9 @@ class Formula {
 
   /// Its derivative with respect to "x" or to a parameter; an empty function where it does not depend on that.
   SpaceTimeFunction derivative(std::string_view by) const;
+  /// The same of a function of x in [0, length], where it jumps the mean of its sides: a kink of the function that
+  /// moves with the parameter has it, and a node may lie on the kink.
+  SpaceTimeFunction mean_derivative(std::string_view by, double length) const;
   /// True if a condition in it depends on "x" or that parameter: then a jump moves.
   bool moves_jump(std::string_view by) const;
 

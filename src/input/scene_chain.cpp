@@ -242,7 +242,9 @@ void differentiate_chain(const SceneEntries& entries, const std::string& by, std
       const double length = member.bar.length, from = begin;
       begin += length;
       const auto own = entries.formula(key_of("bar", k, leaf));
-      const SpaceTimeFunction slope = own ? own->derivative(by) : whole ? whole->derivative(by) : SpaceTimeFunction();
+      const auto& formula = own ? own : whole;
+      const SpaceTimeFunction slope =
+          formula ? formula->mean_derivative(by, own ? length : rates.bar.length) : SpaceTimeFunction();
       if (!slope) continue;
       if (longer == 0)
         member.*rate = [slope, at = own ? 0.0 : from](double x) { return slope(at + x, 0.0); };

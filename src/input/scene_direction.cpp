@@ -14,14 +14,17 @@ namespace viscobar {
 namespace {
 
 // d/dp at a fixed part x / L of the bar: of a parameter the derivative, of the length L that by x, times x / L.
-SpaceTimeFunction rate(const Formula& formula, const std::string& by, double length) {
-  SpaceTimeFunction slope = formula.derivative(by);
+SpaceTimeFunction at_fixed_part(SpaceTimeFunction slope, const std::string& by, double length) {
   if (!slope || by != "x") return slope;
   return [slope, length](double x, double t) { return x / length * slope(x, t); };
 }
 
+SpaceTimeFunction rate(const Formula& formula, const std::string& by, double length) {
+  return at_fixed_part(formula.derivative(by), by, length);
+}
+
 SpaceFunction rate_of_x(const Formula& formula, const std::string& by, double length) {
-  const SpaceTimeFunction slope = rate(formula, by, length);
+  const SpaceTimeFunction slope = at_fixed_part(formula.mean_derivative(by, length), by, length);
   if (!slope) return [](double) { return 0.0; };
   return [slope](double x) { return slope(x, 0.0); };
 }
@@ -134,8 +137,8 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
     for (std::size_t k = 0; k < sections.size(); ++k)
       if (const auto formula = entries.formula(sections[k]); formula && key == sections[k])
         rates[k] = [](double) { return 1.0; };
-      else if (formula && parameter && formula->derivative(by))
-        rates[k] = rate_of_x(*formula, by, 0.0);
+      else if (const SpaceTimeFunction slope = formula && parameter ? formula->derivative(by) : nullptr)
+        rates[k] = [slope](double x) { return slope(x, 0.0); };
     if (run.scene.side && std::ranges::any_of(rates, [](const SpaceFunction& rate) { return bool(rate); }))
       throw std::invalid_argument(fmt::format(
           "{}: no sensitivity with respect to it: the section depends on it, along which [side] resists", key));

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "results/directory_lock.hpp"
 #include "results/field/field_reader.hpp"
 #include "results/field/xdmf_file.hpp"
 #include "results/file_set.hpp"
@@ -132,6 +133,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
     check_target(target / "field.h5", "\x89HDF");
     check_target(target / "field.xdmf", "<?xml");
     make_directories(target);
+    const DirectoryLock lock(target);
     FileSet files(target, "export");
     export_xdmf(*field, files.folder(), stop);
     files.take_places();
@@ -154,6 +156,7 @@ std::vector<fs::path> export_result(const fs::path& result, ExportFormat format,
       });
   for (const fs::path& file : files) check_target(file, "t,");
   make_directories(target);
+  const DirectoryLock lock(target);
   FileSet set(target, "export");
   for (std::size_t k = 0; k < files.size(); ++k) look_at(stop), writers[k](set.folder() / files[k].filename());
   // Tables of an earlier export, of another result, are known by their first lines.

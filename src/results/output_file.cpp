@@ -153,6 +153,7 @@ void make_directories(const std::filesystem::path& directory) {
 }
 
 std::string file_content(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file)) throw IoError(file, "is a directory, and not a file");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw IoError(file, "cannot be read");

@@ -67,13 +67,8 @@ bool has_result(const fs::path& directory, const Files& files) {
   return files.table ? std::ranges::any_of(files.words, held) : std::ranges::all_of(files.words, held);
 }
 
-bool completed(const fs::path& summary) {
-  const auto json = nlohmann::json::parse(regular_content(summary), nullptr, false);
-  return json.is_object() && json.value("completed", nlohmann::json()) == true;
-}
-
 bool holds_whole_run(const fs::path& directory) {
-  return has_result(directory, files_of_kind(ResultKind::run)) && completed(directory / "summary.json");
+  return has_result(directory, files_of_kind(ResultKind::run)) && is_complete(directory / "summary.json");
 }
 
 /// Remains of a command that was killed before it had a summary, or parts of a sweep.
@@ -196,6 +191,21 @@ void take_places(const fs::path& directory) {
 void take_all_places(const fs::path& directory) {
   take_places(directory);
   for (const char* summary : json_summaries) FileSet::settle(directory, fs::path(summary).stem());
+  FileSet::settle(directory, "export");
+}
+
+// Does so unless somebody else is about it.
+void settle_place(const fs::path& place) {
+  std::error_code error;
+  const auto waits = [](const fs::directory_entry& entry) {
+    return entry.path().filename() == finished || entry.path().extension() == ".whole";
+  };
+  if (std::none_of(fs::directory_iterator(place, error), fs::directory_iterator(), waits)) return;
+  try {
+    const DirectoryLock lock(place);
+    take_all_places(place);
+  } catch (const std::exception&) {  // in use, or not ours to write to: it is read as it is
+  }
 }
 
 /// Nobody writes them any more once the directory is locked, and a run that goes on from a checkpoint makes none.
@@ -250,19 +260,16 @@ void ResultDirectory::replace_by_finished() const {
   }
 }
 
+bool is_complete(const fs::path& summary) {
+  const auto json = nlohmann::json::parse(regular_content(summary), nullptr, false);
+  return json.is_object() && json.value("completed", nlohmann::json()) == true;
+}
+
 void check_result_directory(const fs::path& directory, ResultKind kind) { check_place(checked_name(directory), kind); }
 
 void settle_result_directory(const fs::path& directory) {
-  std::error_code error;
-  const auto waits = [](const fs::directory_entry& entry) {
-    return entry.path().filename() == finished || entry.path().extension() == ".whole";
-  };
-  if (std::none_of(fs::directory_iterator(directory, error), fs::directory_iterator(), waits)) return;
-  try {
-    const DirectoryLock lock(directory);
-    take_all_places(directory);
-  } catch (const std::exception&) {  // in use, or not ours to write to: it is read as it is
-  }
+  // Exports have folders of their own there.
+  for (const fs::path& place : {directory, directory / "csv", directory / "xdmf"}) settle_place(place);
 }
 
 bool clear_whole_run(const fs::path& directory) {

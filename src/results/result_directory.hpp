@@ -50,6 +50,9 @@ class ResultDirectory {
   DirectoryLock lock_;
 };
 
+/// True if that is a summary, of a run or a study, that says it is complete.
+bool is_complete(const std::filesystem::path& summary);
+
 /// Throws what the constructor would for that directory, and makes nothing.
 void check_result_directory(const std::filesystem::path& directory, ResultKind kind);
 

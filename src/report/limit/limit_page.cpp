@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "report/limit/limit_tables.hpp"
@@ -163,7 +164,7 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   const NumberText number(NumberText::For::terminal, study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
-  json["completed"] = result.failed.empty();
+  json["completed"] = result.failed.empty() && std::ranges::none_of(result.orders, &LimitOrders::interrupted);
   json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, result, best, number);
   json["order_penetration"] = order_or_null(orders.penetration);

@@ -103,9 +103,22 @@ Part Plan::penalty_error(std::size_t elements) {
   // How deep a node is in an obstacle is an error of it, soon after an impact and between any two times.
   const Goal of = study_.request.of;
   const Setting& own = runs_.knows(chosen_) ? chosen_ : pair[0];
-  if (of == Goal::displacement || of == Goal::end_traces)
-    part.error = std::max(part.error, runs_.of(own).statistics.max_penetration);
+  if (of == Goal::displacement || of == Goal::end_traces) part.error = std::max(part.error, penetration(own));
   return part;
+}
+
+// Largest depth of a node in an obstacle of the penalty. Where there are stops with laws of their own, whose depth is
+// no error, it is that of the springs of the others, epsilon R.
+double Plan::penetration(const Setting& of) {
+  const Scene& scene = base_.scene;
+  const Statistics& run = runs_.of(of).statistics;
+  if (!has_stops(scene) || scene.span || !run.account) return run.max_penetration;
+  double reaction = 0.0;
+  if (!scene.left_input.stop) reaction = std::max(reaction, run.account->left.peak_reaction);
+  if (!scene.right_input.stop) reaction = std::max(reaction, run.account->right.peak_reaction);
+  for (std::size_t k = 0; k < run.account->joints.size(); ++k)
+    if (!scene.chain[k].joint.stop) reaction = std::max(reaction, run.account->joints[k].peak_reaction);
+  return std::min(run.max_penetration, of.epsilon * reaction);
 }
 
 bool Plan::refine_time(const Part& part) {

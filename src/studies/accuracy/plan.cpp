@@ -45,7 +45,7 @@ Plan::Plan(const AccuracyStudy& study)
       base_(on_its_mesh(study.scene)),
       data_error_(base_, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
       runs_([this](const Setting& setting) { return with(setting); }, times_of_errors(study.scene.end),
-            study.request.of == Goal::peak_reaction, study.threads, study.stop) {
+            study.request.of == Goal::peak_reaction || has_stops(study.scene.scene), study.threads, study.stop) {
   const AccuracyRequest::Given& given = study_.request.given;
   const Scene& scene = base_.scene;
   waves_ = base_.method == MethodName::characteristics;

@@ -78,6 +78,7 @@ class Plan {
   std::vector<Setting> penalty_pair(std::size_t elements) const;
   Part time_error(std::size_t elements);
   Part penalty_error(std::size_t elements);
+  double penetration(const Setting& of);
   bool refine_time(const Part& part);
   bool refine_penalty(const Part& part);
   void settle(std::size_t elements);

@@ -41,7 +41,7 @@ QuickEstimate quick_estimate(const Case& run, std::optional<Sample> solution, do
 
 QuickEstimate forecast(const Case& run, double seconds, const std::function<bool()>& stop) {
   QuickEstimate found = quick_estimate(run, std::nullopt, seconds, stop);
-  if (found.estimate || fewest_in_a_bar(run) < 4 * fewest) return found;
+  if (found.estimate || fewest_in_a_bar(run) < 4 * fewest || (stop && stop())) return found;
   Case coarser = run;
   coarser.elements = (run.elements + 3) / 4;
   if (!sound(coarser)) return found;
@@ -54,7 +54,8 @@ QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds
   AccuracyStudy study;
   study.scene = run;
   study.request = request;
-  study.stop = [clock = WallClock(), seconds, &stop] { return clock.seconds() > seconds || (stop && stop()); };
+  study.threads = 1;  // whose processor time counts
+  study.stop = [clock = Stopwatch(), seconds, &stop] { return clock.seconds() > seconds || (stop && stop()); };
   Plan plan(study);
   QuickEstimate result;
   do {
