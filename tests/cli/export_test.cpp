@@ -144,5 +144,17 @@ with meshio.xdmf.TimeSeriesReader("out/xdmf/field.xdmf") as reader:
   EXPECT_EQ(std::system(("cd '" + directory_.string() + "' && /usr/bin/python3 equal.py").c_str()), 0);
 }
 
+TEST_F(Export, CutOffBetweenItsRenamesIsFinishedByTheNextReader) {
+  ASSERT_EQ(viscobar("export out -q").code, 0);
+  const testing_cli::fs::path csv = directory_ / "out/csv", waiting = csv / ".viscobar.export.whole";
+  const std::string whole = read_text(csv / "u.csv");
+  testing_cli::fs::create_directory(waiting);
+  testing_cli::fs::rename(csv / "u.csv", waiting / "u.csv");
+  std::ofstream(csv / "u.csv") << "t,0\n0,of an earlier export\n";
+  EXPECT_EQ(viscobar("info out").code, 0);
+  EXPECT_EQ(read_text(csv / "u.csv"), whole);
+  EXPECT_FALSE(testing_cli::fs::exists(waiting));
+}
+
 }  // namespace
 }  // namespace viscobar

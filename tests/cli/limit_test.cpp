@@ -376,5 +376,21 @@ TEST_F(Limit, HelpNamesEveryOption) {
     EXPECT_NE(ended.out.find(option), std::string::npos) << option;
 }
 
+TEST_F(Limit, InterruptedItReplacesNoCompleteStudyAndIsNotCompleteItself) {
+  ASSERT_EQ(viscobar("limit " + scene("chatter") + " --epsilon 1e-2:1e-4 --budget 0 -q -o study").code, 0);
+  const std::string before = read_text(directory_ / "study/limit.json");
+  for (const std::string place : {"study", "other"}) {
+    // A study of minutes, signalled once it is under way.
+    std::ofstream(directory_ / "interrupt.sh") << "env --default-signal=INT '" VISCOBAR_COMMAND "' limit " +
+                                                      scene("chatter") +
+                                                      " --epsilon 1e-2:1e-10 --set mesh.elements=2000 -q -o " + place +
+                                                      " 2>err.txt &\nsleep 1.5\nkill -INT $!\nwait $!\n";
+    const int status = std::system(("cd '" + directory_.string() + "' && bash interrupt.sh").c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 130) << read_text(directory_ / "err.txt");
+  }
+  EXPECT_EQ(read_text(directory_ / "study/limit.json"), before);
+  EXPECT_EQ(Json::parse(read_text(directory_ / "other/limit.json"))["completed"], false);
+}
+
 }  // namespace
 }  // namespace viscobar::testing_cli

@@ -131,4 +131,27 @@ TEST(FormulaDerivative, IsExactForEveryFunctionThatFormulasKnow) {
   EXPECT_FALSE(Formula("tau*t", "t", parameters).derivative("a"));
 }
 
+// A kink of the displacement lies on a node: the bar has a derivative, and each of its meshes two, whose mean it is.
+// The two differ by some tenth of it; the difference quotient of a step that is a thousandth of an element has their
+// mean.
+TEST(SceneSensitivities, OfAKinkOnANodeAreTheMeanOfItsSides) {
+  const std::string text =
+      "[bar]\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\ndisplacement = \"0.1*abs(x-a)\"\n"
+      "velocity = -1.0\n[parameters]\na = 0.5\n[time]\nend = 1.0\n[mesh]\nelements = 30\n[method]\nname = \"rigid\"\n"
+      "relative_tolerance = 1e-10\n";
+  const Recording with = record(parse_scene(text, "scene", {{"sensitivity.of=[\"parameters.a\"]"}}).run);
+  constexpr double step = 3e-5;
+  const auto moved = [&](double by) {
+    return record(parse_scene(text, "scene", {{"parameters.a=" + std::to_string(0.5 + by)}}).run);
+  };
+  const Recording more = moved(step), less = moved(-step);
+  double largest = 0.0, worst = 0.0;
+  for (std::size_t i = 0; i < with.u.size(); ++i) {
+    const double slope = (more.u[i] - less.u[i]) / (2.0 * step);
+    largest = std::max(largest, std::abs(slope));
+    worst = std::max(worst, std::abs(with.sensitivities[0].u[i] - slope));
+  }
+  EXPECT_LT(worst, 1e-3 * largest);
+}
+
 }  // namespace

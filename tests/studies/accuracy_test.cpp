@@ -380,6 +380,21 @@ TEST(AccuracyOnRequest, BeforeALongRunTheForecastIsThatOfACoarserMesh) {
   EXPECT_EQ(forecast.estimate->total, accuracy::quick_estimate(run, std::nullopt, 10.0).estimate->total);
 }
 
+// An obstacle that is never met adds nothing to the error, whatever a soft stop elsewhere gives way by.
+TEST(Estimates, OfABarAtAStopWithALawCountNoDepthOfThatStop) {
+  const std::string scene =
+      "[bar]\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n"
+      "contact={law=\"spring_damper\",stiffness=10.0}\n[initial]\nvelocity=-1\n[time]\nend=3\n";
+  const auto estimate = [&](const std::string& more) {
+    return accuracy::quick_estimate(parse_scene(scene + more, "scene").run, {}, 10.0, {}).estimate.value();
+  };
+  EXPECT_EQ(estimate("[right]\nkind=\"obstacle\"\nside=\"above\"\ngap=5.0\n").penalty, 0.0);
+  // One that is met counts with its own depth: some (rho E)^(1/2) V epsilon.
+  const double met = estimate("[right]\nkind=\"obstacle\"\nside=\"above\"\ngap=0.2\n").penalty;
+  EXPECT_GT(met, 0.0);
+  EXPECT_LT(met, 0.01);
+}
+
 TEST(SpaceErrorOfALadder, IsThatOfAnOrderThatIsSeenTwiceAndTwoFifthsMore) {
   const MeshStep steps[] = {{8, 16, 256e-6}, {16, 32, 16e-6}, {32, 64, 1e-6}};
   const accuracy::SpaceError error = accuracy::space_error(steps, 4.0);
