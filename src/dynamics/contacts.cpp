@@ -128,8 +128,18 @@ bool Contacts::held(std::size_t unknown) const {
 }
 
 void Contacts::tie_joints(BandedMatrix& matrix) const {
+  const auto ties = [this](std::size_t i) { return nodes_[i].joint > 0 && holds_mass(i); };
+  const auto is_held = [&](std::size_t i) { return std::isinf(matrix.diagonal[nodes_[i].unknown]); };
+  const auto hold = [&](std::size_t i) {
+    double &left = matrix.diagonal[nodes_[i].unknown - 1], &right = matrix.diagonal[nodes_[i].unknown];
+    if (std::isinf(left) || std::isinf(right)) left = right = infinite;
+  };
   for (std::size_t i = 0; i < size(); ++i)
-    if (nodes_[i].joint > 0 && holds_mass(i)) matrix.tie(nodes_[i].unknown - 1);
+    if (ties(i)) hold(i);
+  for (std::size_t i = size(); i-- > 0;)
+    if (ties(i)) hold(i);
+  for (std::size_t i = 0; i < size(); ++i)
+    if (ties(i) && !is_held(i)) matrix.tie(nodes_[i].unknown - 1);
 }
 
 void Contacts::measure(std::size_t closing, std::span<double> u) {

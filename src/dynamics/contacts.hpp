@@ -132,7 +132,8 @@ class Contacts {
   std::uint64_t revision() const { return revision_; }
   /// Makes the law of contact i, not linear in the bar, that linear one: of a derivative, which has its tangent.
   void linearise(std::size_t i, const PenaltyLaw& tangent) { nodes_[i].law.linearise(tangent); }
-  /// Ties the rows of both nodes of each rigid contact of a joint that is closed.
+  /// Ties the rows of both nodes of each rigid contact of a joint that is closed. Where one is held, its entry of the
+  /// diagonal being infinite, so is the other.
   void tie_joints(BandedMatrix& matrix) const;
 
   const Origin& origin() const { return origin_; }
