@@ -11,7 +11,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "campaign/draw.hpp"
-#include "studies/fit/judgement.hpp"
+#include "studies/fit/noise.hpp"
 #include "studies/fit/search.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"

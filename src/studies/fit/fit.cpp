@@ -12,6 +12,7 @@
 
 #include "discretisation/dense.hpp"
 #include "studies/fit/judgement.hpp"
+#include "studies/fit/noise.hpp"
 #include "studies/fit/search.hpp"
 
 namespace viscobar {
