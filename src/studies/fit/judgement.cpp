@@ -16,6 +16,39 @@ namespace viscobar::fitting {
 
 namespace {
 
+// The minimum of a finer model. Where its search from the best values of the coarse one does not meet data of what
+// jumps that those meet, its valley is farther than slopes tell: it is looked for up to a third of the values away.
+Minimum finer_minimum(Search& further, const FitStudy& study, const Minimum& best, Compared along,
+                      std::size_t most_runs) {
+  constexpr std::size_t tries = 16;
+  const Eigen::Index n = best.at.size();
+  Minimum least;
+  const auto search_from = [&](const Eigen::VectorXd& start) {
+    // Samples as they are lead over the flat floors of those beside changes, unless one is on the wrong side.
+    for (const Compared compared : {Compared::samples, Compared::exact}) {
+      Minimum found = further.minimum_from(start, compared, most_runs);
+      if (compared != along) found.misfit = further.at(found.at, along, false);
+      if (found.misfit.sum() < least.misfit.sum()) least = std::move(found);
+      if (!further.jumps()) return;
+    }
+  };
+  search_from(best.at);
+  if (!further.jumps() || is_large(study, best.misfit)) return least;
+  const double most = curved_residual * std::max(1.0, residual_of(best.misfit, n));
+  std::size_t tried = 0;
+  for (const double part : {1.0 / 300.0, 1.0 / 30.0, 0.1, 1.0 / 3.0}) {
+    if (residual_of(least.misfit, n) <= most) break;
+    const Eigen::MatrixXd axes = (part * best.at.cwiseAbs()).asDiagonal();
+    std::pair<double, Eigen::VectorXd> start(INFINITY, best.at);
+    for (std::size_t i = 0; i < tries; ++i) {
+      Eigen::VectorXd at = further.beside(best.at, axes, ++tried);
+      if (const double sum = further.at(at, along, false).sum(); sum < start.first) start = {sum, std::move(at)};
+    }
+    search_from(start.second);
+  }
+  return least;
+}
+
 // How far the model's own error moves the parameters, counted in `scale`, twice for an error of order one: what a finer
 // run changes its values by, taken for data that are wrong by so much; and, where samples jump, which a line does not
 // follow from one valley into the next, the way to the minimum of the finer model.
@@ -46,12 +79,7 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
     const Misfit coarse = along == best.compared ? best.misfit : search.at(best.at, along, false);
     error.linear = 2.0 * (inverse * (scaled.transpose() * (fine.residual - coarse.residual))).cwiseAbs();
     if (search.jumps() || is_large(study, best.misfit)) {
-      // Samples as they are lead over the flat floors of those beside changes, unless one is on the wrong side.
-      const auto search_by = [&](Compared compared) {
-        return further.minimum_from(best.at, compared, few_runs * runs_of_a_step);
-      };
-      const Minimum plain = search_by(Compared::samples), exact = search.jumps() ? search_by(Compared::exact) : plain;
-      const Minimum& other = exact.misfit.sum() < plain.misfit.sum() ? exact : plain;
+      const Minimum other = finer_minimum(further, study, best, along, few_runs * runs_of_a_step);
       if (search.jumps() && other.misfit.sound)
         error.searched = 2.0 * (other.at - best.at)(free).cwiseAbs().cwiseQuotient(scale(free));
       result.finer_residual = residual_of(other.misfit, best.at.size());
@@ -79,7 +107,7 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
 
 // Other values than the best that meet the data as well.
 bool is_another(const Minimum& other, const Minimum& best, const FitResult& result) {
-  const double variance = std::max(std::pow(result.residual, 2), std::pow(small_residual, 2));
+  const double variance = std::max(best.misfit.variance(best.at.size()), std::pow(small_residual, 2));
   if (!other.misfit.sound || other.misfit.sum() - best.misfit.sum() > 4.0 * variance) return false;
   for (Eigen::Index k = 0; k < best.at.size(); ++k) {
     const double deviation = result.parameters[k].standard_deviation;  // NaN: whatever the value, the data agree

@@ -12,8 +12,9 @@ namespace viscobar::fitting {
 
 namespace {
 
-// Residuals, in deviations: so large that the model is not the data's, and so large where it follows a curve.
-constexpr double large_residual = 3.0, curved_residual = 1.2;
+// Residuals, in deviations that were given, or assumed to be 1 %, so large that the model is not the data's: noise of a
+// tenth of the largest value is said, and not assumed.
+constexpr double large_residual = 3.0, large_where_assumed = 10.0;
 
 // True if the residual is no noise. Either it follows a curve, so that successive values are alike: squared differences
 // of noise are twice its squares, to 2 / m^(1/2). Or it stands out at few places: the median of noise is two thirds of
@@ -94,14 +95,17 @@ bool is_large(const FitStudy& study, const Misfit& misfit) {
   if (misfit.residual.size() >= n + 8 && has_stretch(study, misfit.residual)) return true;
   if (residual <= curved_residual) return false;
   const bool assumed = std::ranges::all_of(study.traces, &MeasuredTrace::assumed) && study.changes.empty();
-  if (residual > large_residual && !assumed) return true;
+  if (residual > (assumed ? large_where_assumed : large_residual)) return true;
   return misfit.residual.size() >= n + 8 || residual > large_residual ? is_systematic(misfit.residual, n) : false;
 }
 
 bool is_explained(const FitStudy& study, const Misfit& misfit) {
   const Eigen::Index n = std::ssize(study.parameters);
   if (!misfit.sound) return false;
-  return residual_of(misfit, n) <= small_residual || (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
+  // No more numbers than parameters are met by any motion, whether or not it is that of the data.
+  const Eigen::Index telling = (misfit.jacobian.rowwise().squaredNorm().array() > 0.0).count() - misfit.repeated;
+  return (residual_of(misfit, n) <= small_residual && telling > n) ||
+         (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 
 bool is_met_exactly(const FitStudy& study, const Minimum& exact, double noise) {

@@ -11,6 +11,9 @@ namespace viscobar::fitting {
 /// 1e-6 leave a tenth of it of a deviation of 1 %.
 inline constexpr double small_residual = 0.001;
 
+/// A residual, in deviations, so large where it follows a curve that the model is not the data's.
+inline constexpr double curved_residual = 1.2;
+
 /// Within so many standard deviations is a value with this probability: by Student's t, or the normal distribution
 /// where the freedom is 0.
 double students_bound(double probability, std::size_t freedom);
