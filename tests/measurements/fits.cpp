@@ -2,8 +2,8 @@
 //
 //     cmake --build --preset release --target measure_fits
 //     build/release/tests/measure_fits [FITS [SEED [FIRST [STARTS]]]]
-//     build/release/tests/measure_fits FITS SEED FIRST reactions      # or velocities, forces: by eight times the
-//     elements build/release/tests/measure_fits FITS SEED FIRST few            # samples or contact times
+//     build/release/tests/measure_fits FITS SEED FIRST reactions   # or velocities, forces: by eight times the elements
+//     build/release/tests/measure_fits FITS SEED FIRST few         # samples or contact times; or bounces, to rest
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
                     : kind == "velocities" ? Data::velocities
                     : kind == "forces"     ? Data::forces
                     : kind == "few"        ? Data::few
+                    : kind == "bounces"    ? Data::bounces
                                            : Data::any;
   // An estimate farther than this from the truth is wrong: noise does so in 1 of 16,000.
   constexpr double far = 4.0;

@@ -11,7 +11,7 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 
 #include "campaign/draw.hpp"
-#include "studies/fit/judgement.hpp"
+#include "studies/fit/noise.hpp"
 #include "studies/fit/search.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
@@ -177,12 +177,15 @@ std::vector<double> times_to(double end, std::size_t count = 150) {
 
 using Named = std::pair<std::string, double>;
 
-// Looks for one or two of these values of a scene, that of `otherwise` if for no other, and holds the rest.
-void choose(RandomFit& made, Draw& draw, const std::string& scene, std::vector<Named> values, std::size_t otherwise) {
+// Looks for one or two of these values of a scene, that of `otherwise` if for no other, and holds the rest. Restitution
+// is among them where it is `always`.
+void choose(RandomFit& made, Draw& draw, const std::string& scene, std::vector<Named> values, std::size_t otherwise,
+            bool always = false) {
   std::vector<Named> fitted;
   std::vector<std::string> held;
+  const std::size_t most = always ? 1 : 2;
   for (const Named& one : values)
-    if (draw.chance(0.4) && fitted.size() < 2)
+    if ((draw.chance(0.4) && fitted.size() < most) || (always && one.first == "contact.restitution"))
       fitted.push_back(one);
     else
       held.push_back(fmt::format("{}={}", one.first, one.second));
@@ -272,12 +275,48 @@ RandomFit random_few(Draw draw) {
   return made;
 }
 
+// A lone mass, or a bar with one at its end, that bounces until it rests.
+RandomFit random_bounces(Draw draw) {
+  RandomFit made;
+  const bool alone = draw.chance(0.5);
+  const double gap = draw.between(0.02, 0.5), load = draw.between(0.5, 3.0), restitution = draw.between(0.2, 0.95);
+  const double fall = std::sqrt(2.0 * gap / load);
+  // A lone mass rests at fall (1 + e) / (1 - e).
+  const double end = fall * (1.0 + draw.between(0.3, 1.2) * 2.0 * restitution / (1.0 - restitution));
+  const std::size_t elements = alone ? 2 : draw.one_of({10, 20, 30}), samples = draw.one_of({24, 60, 150});
+  std::string scene = fmt::format(
+      "bar.length = 2.0\nbar.modulus = {}\nleft.kind = \"obstacle\"\nmesh.elements = {}\nmethod.name = \"rigid\"\n"
+      "time.end = {}\nload.density = {}\nmesh.mass = \"{}\"\nright.kind = \"{}\"\n",
+      alone ? 1e-12 : 1.0, elements, end, -load, alone ? "lumped" : "consistent", alone ? "fixed" : "free");
+  std::vector<Named> values = {{"left.gap", gap}, {"contact.restitution", restitution}};
+  if (!alone) {
+    values.emplace_back("left.mass", draw.decades(0.3, 3.0));
+    values.emplace_back("bar.modulus", draw.decades(0.3, 3.0));
+    values.emplace_back("bar.viscosity", draw.decades(0.02, 0.5));
+  }
+  choose(made, draw, scene, values, 1, true);
+  const bool is_events = draw.chance(0.5);
+  const auto column = draw.one_of({TraceColumn::v_left, TraceColumn::v_right, TraceColumn::u_left});
+  const std::size_t changes = is_events ? draw.one_of({3, 4, 6, 10, 20, 100}) : 0, factor = draw.one_of({2, 4});
+  made.study.times = times_to(end, samples);
+  made.study.traces.push_back({alone && column == TraceColumn::v_right ? TraceColumn::v_left : column, {}, 1.0, true});
+  made.noise = draw.chance(0.5) ? 0.01 : 0.0;
+  made.words = fmt::format(
+      "{} elements, end {:.3g}, noise {}, {} of {} times the elements", elements, end, made.noise,
+      is_events ? fmt::format("{} changes", changes) : fmt::format("{} {}", samples, name(made.study.traces[0].column)),
+      factor);
+  begin_within_ten(made, draw);
+  take_from_finer(made, draw, factor, changes);
+  return made;
+}
+
 }  // namespace
 
 RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data) {
   Draw draw(seed, index);
   if (data == Data::forces) return random_chain(draw);
   if (data == Data::few) return random_few(draw);
+  if (data == Data::bounces) return random_bounces(draw);
   Values truth{draw.decades(0.02, 0.5), draw.decades(0.3, 3.0), draw.between(0.02, 0.5), draw.decades(0.3, 3.0)};
   const double kind = draw.between(0.0, 1.0), bend = draw.between(0.0, 0.5), end = draw.between(1.5, 5.0);
   const double force = draw.chance(0.3) ? draw.between(-0.5, 0.5) : 0.0,

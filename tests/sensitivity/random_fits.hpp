@@ -22,8 +22,9 @@ struct RandomFit {
 /// Columns and their origin: any of the ends, by the model itself; or one that jumps, by eight times the elements of a
 /// model of 12 to 60: forces are those of a joint between two bars. `few` are 12 to 60 samples of one that jumps, or
 /// one to six contact times, by the model itself or four times its elements, of a bar that is thrown or bounces with a
-/// mass.
-enum class Data { any, reactions, velocities, forces, few };
+/// mass. `bounces` are those of a lone mass or of a bar with one until it rests, by two or four times the elements, for
+/// the restitution and at most one other value.
+enum class Data { any, reactions, velocities, forces, few, bounces };
 RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data = Data::any);
 
 struct Judged {

@@ -9,7 +9,7 @@
 #include "report/measured.hpp"
 #include "report/number_text.hpp"
 #include "report/page.hpp"
-#include "studies/fit/judgement.hpp"
+#include "studies/fit/noise.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
 #include "viscobar/report/reports.hpp"

@@ -12,6 +12,7 @@
 
 #include "discretisation/dense.hpp"
 #include "studies/fit/judgement.hpp"
+#include "studies/fit/noise.hpp"
 #include "studies/fit/search.hpp"
 
 namespace viscobar {
@@ -44,13 +45,6 @@ bool runs_away(const FitStudy& study, const Eigen::VectorXd& values, const Misfi
 bool jumps_alone_tell(const Minimum& at) {
   return at.compared == Compared::samples &&
          (at.misfit.jacobian.colwise().norm().transpose().array() * at.at.array().abs() < 1.0).any();
-}
-
-// Halton's points, which fill the bounds evenly.
-double halton(std::size_t i, std::size_t base) {
-  double fraction = 1.0, value = 0.0;
-  for (; i > 0; i /= base) fraction /= static_cast<double>(base), value += fraction * static_cast<double>(i % base);
-  return value;
 }
 
 void check(const FitStudy& study) {
@@ -110,18 +104,6 @@ void check_places(const FitStudy& study) {
   }
 }
 
-constexpr std::size_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-
-// The i-th of values beside some: along these axes.
-Eigen::VectorXd beside(const Search& search, const Eigen::VectorXd& centre, const Eigen::MatrixXd& axes,
-                       std::size_t i) {
-  Eigen::VectorXd part(centre.size());
-  for (Eigen::Index k = 0; k < part.size(); ++k) part(k) = 2.0 * halton(i, primes[k]) - 1.0;
-  Eigen::VectorXd to = centre + axes * part;
-  for (Eigen::Index k = 0; k < part.size(); ++k) to(k) = search.limited(k, centre(k), to(k));
-  return to;
-}
-
 // The i-th of values to begin with, besides those given.
 Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
   Eigen::VectorXd start(study.parameters.size());
@@ -130,9 +112,9 @@ Eigen::VectorXd start_of(const FitStudy& study, std::size_t i, bool spread) {
     // Up to twice as far off as is looked for, and every other one between bounds that are near.
     const double size = given != 0.0 ? std::abs(given) : 1.0;
     const bool linear = spread || (i % 2 == 0 && high - low <= 1e3 * size);
-    const double part = halton(spread ? i : (i + 1) / 2, primes[k]);
+    const double part = halton(spread ? i : (i + 1) / 2, k);
     const double sign = low < 0.0 && i % 4 < 2 ? -1.0 : 1.0;
-    const double logarithmic = high - low <= 1e3 * size ? part : halton(i, primes[k]);
+    const double logarithmic = high - low <= 1e3 * size ? part : halton(i, k);
     start(k) =
         linear ? low + (high - low) * part
                : std::clamp(std::copysign(1.0, given) * sign * size * std::pow(2.0 * far_off, 2.0 * logarithmic - 1.0),
@@ -199,7 +181,7 @@ std::optional<Minimum> exact_minimum(Search& search, const FitStudy& study, cons
   const Eigen::MatrixXd axes = search.axes_of_deviations(best.at);
   std::vector<Eigen::VectorXd> around;
   for (const double scale : {4.0, 2.0, 1.0})
-    for (std::size_t i = 0; i < 16; ++i) around.push_back(beside(search, best.at, scale * axes, around.size() + 1));
+    for (std::size_t i = 0; i < 16; ++i) around.push_back(search.beside(best.at, scale * axes, around.size() + 1));
   if (auto found = from_best_of(around)) return found;
   // Excused is what is met least, or what the excuse leads to.
   search.errors = time_errors(study, best);
@@ -265,7 +247,7 @@ FitResult fit(const FitStudy& study) {
       const Eigen::MatrixXd axes = axes_at(found[best].at);
       for (const double scale : scales) {
         const Eigen::VectorXd centre = found[best].at;
-        begin_among(count, 1, Compared::samples, [&] { return beside(search, centre, scale * axes, ++near); });
+        begin_among(count, 1, Compared::samples, [&] { return search.beside(centre, scale * axes, ++near); });
       }
     }
   };

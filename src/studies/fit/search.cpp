@@ -113,6 +113,27 @@ std::vector<Traced> impulses(Where where, std::size_t joint, const std::vector<d
   return sums;
 }
 
+// By the measured changes, how many of their contact are within a deviation of the first of them: the opening of an
+// impact, or bounces that come to rest. No run could meet one and miss the other, so that together they tell one time.
+std::vector<std::size_t> together(const FitStudy& study) {
+  std::vector<std::size_t> counts;
+  std::map<std::pair<Where, std::size_t>, std::vector<std::size_t>> groups;
+  const auto end = [&](std::vector<std::size_t>& group) {
+    for (const std::size_t k : group) counts[k] = group.size();
+    group.clear();
+  };
+  for (std::size_t k = 0; k < study.changes.size(); ++k) {
+    const auto [where, node, change] = kind_of(study.changes[k]);
+    std::vector<std::size_t>& group = groups[{where, node}];
+    counts.push_back(1);
+    if (!group.empty() && study.changes[k].time - study.changes[group.front()].time > study.change_deviation)
+      end(group);
+    group.push_back(k);
+  }
+  for (auto& [contact, group] : groups) end(group);
+  return counts;
+}
+
 }  // namespace
 
 Kind kind_of(const Event& event) {
@@ -207,7 +228,12 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
                         rows);
   }
   seen.clear();
-  for (const Event& measured : study.changes) {
+  const std::vector<std::size_t> counts = together(study);
+  double alone = 0.0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const Event& measured = study.changes[k];
+    const auto count = static_cast<double>(counts[k]);
+    alone += 1.0 / count;
     std::size_t skip = seen[kind_of(measured)]++;
     const auto same = std::ranges::find_if(
         misfit.changes, [&](const Event& event) { return kind_of(event) == kind_of(measured) && skip-- == 0; });
@@ -215,8 +241,9 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
     row(0) = (same == misfit.changes.end() ? 2.0 * end : same->time) - measured.time;
     if (same != misfit.changes.end())
       for (Eigen::Index j = 0; j < parameters; ++j) row(1 + j) = same->sensitivities[j].time;
-    rows.push_back(row / study.change_deviation);
+    rows.push_back(row / (std::sqrt(count) * study.change_deviation));
   }
+  misfit.repeated = std::ssize(counts) - std::lround(alone);
   misfit.residual.resize(std::ssize(rows));
   misfit.jacobian = Eigen::MatrixXd::Zero(std::ssize(rows), parameters);
   for (Eigen::Index i = 0; i < std::ssize(rows); ++i) {
@@ -230,6 +257,14 @@ Misfit measure(const FitStudy& study, Case run, Compared compared, bool derivati
 
 bool leaves(const FittedParameter& parameter, double value, double step) {
   return (value <= parameter.low && step < 0.0) || (value >= parameter.high && step > 0.0);
+}
+
+double halton(std::size_t i, std::size_t k) {
+  constexpr std::size_t primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  double fraction = 1.0, value = 0.0;
+  for (; i > 0; i /= primes[k])
+    fraction /= static_cast<double>(primes[k]), value += fraction * static_cast<double>(i % primes[k]);
+  return value;
 }
 
 Misfit Search::at(const Eigen::VectorXd& values, Compared compared, bool derivatives) {
@@ -262,6 +297,14 @@ Eigen::MatrixXd Search::axes_of_deviations(const Eigen::VectorXd& values) {
   const auto [values_of, directions] = singular_values(misfit.jacobian * size.asDiagonal());
   const Eigen::VectorXd lengths = values_of.cwiseMax(1.0).cwiseInverse();
   return size.asDiagonal() * directions * lengths.asDiagonal();
+}
+
+Eigen::VectorXd Search::beside(const Eigen::VectorXd& centre, const Eigen::MatrixXd& axes, std::size_t i) const {
+  Eigen::VectorXd part(n_);
+  for (Eigen::Index k = 0; k < n_; ++k) part(k) = 2.0 * halton(i, static_cast<std::size_t>(k)) - 1.0;
+  Eigen::VectorXd to = centre + axes * part;
+  for (Eigen::Index k = 0; k < n_; ++k) to(k) = limited(k, centre(k), to(k));
+  return to;
 }
 
 Minimum Search::minimum_from(const Eigen::VectorXd& start, Compared first, std::size_t most_runs) {

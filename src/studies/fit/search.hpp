@@ -25,11 +25,12 @@ struct Misfit {
   std::optional<double> lost;               ///< from when on there are no derivatives
   std::size_t steps = 0;                    ///< of the run
   Eigen::Index forgiven = 0;                ///< samples beside contact changes that count as met: they tell no noise
+  Eigen::Index repeated = 0;                ///< times of contact changes within a deviation of another of the contact
 
   double sum() const { return sound ? residual.squaredNorm() : std::numeric_limits<double>::infinity(); }  ///< S
   /// m - n, of m numbers that are compared; not below 0.
   Eigen::Index freedom(Eigen::Index parameters) const {
-    return std::max<Eigen::Index>(residual.size() - forgiven - parameters, 0);
+    return std::max<Eigen::Index>(residual.size() - forgiven - repeated - parameters, 0);
   }
   /// S / (m - n); of deviations that are as given, 1, where there are no more numbers than parameters.
   double variance(Eigen::Index parameters) const {
@@ -81,6 +82,9 @@ inline bool on_bound(const FittedParameter& parameter, double value) {
 /// True if a step leaves the bounds.
 bool leaves(const FittedParameter& parameter, double value, double step);
 
+/// Coordinate k of the i-th of Halton's points, which fill the unit cube evenly.
+double halton(std::size_t i, std::size_t k);
+
 /// Levenberg's and Marquardt's descents of a study.
 class Search {
  public:
@@ -106,6 +110,8 @@ class Search {
   /// Axes of an ellipsoid, its columns, in which values change what is smooth in them by a deviation, and no longer
   /// than the values.
   Eigen::MatrixXd axes_of_deviations(const Eigen::VectorXd& values);
+  /// The i-th of values beside some: along these axes.
+  Eigen::VectorXd beside(const Eigen::VectorXd& centre, const Eigen::MatrixXd& axes, std::size_t i) const;
   /// Integrals of what jumps lead to the neighbourhood of a minimum, samples to the minimum; exact ones alone.
   Minimum minimum_from(const Eigen::VectorXd& start, Compared first, std::size_t most_runs);
   /// No step is longer than the parameter is large, three times, or takes more than three quarters of a positive one.
