@@ -273,7 +273,8 @@ FitResult fit(const FitStudy& study) {
       for (const double step : {-three(k), three(k)}) {
         const FittedParameter& parameter = study.parameters[k];
         const double size = std::abs(centre.at(k));
-        if (!std::isfinite(step) || std::abs(step) < size || search.runs >= most_runs) continue;
+        const bool to_zero = step * centre.at(k) < 0.0;  // where half of it is as far as twice it is
+        if (!std::isfinite(step) || std::abs(step) < (to_zero ? 0.5 : 1.0) * size || search.runs >= most_runs) continue;
         Eigen::VectorXd start = centre.at;
         start(k) = std::clamp(start(k) + step, std::max(parameter.low, parameter.low < 0.0 ? -INFINITY : 0.1 * size),
                               parameter.high);
@@ -317,7 +318,9 @@ FitResult fit(const FitStudy& study) {
   }
   for (bool settled = false; !settled;) {
     FitResult judged;
-    const auto lower = judge(search, study, found[best], judged);
+    std::vector<Minimum> others;
+    const auto lower = judge(search, study, found[best], others, judged);
+    found.insert(found.end(), others.begin(), others.end());
     const std::size_t before = best;
     if (lower && search.runs < most_runs) begin_at(*lower, found[best].compared, few_runs);
     settled = best == before;

@@ -105,13 +105,15 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
   return error;
 }
 
+constexpr double far_apart = 5.0;  // deviations
+
 // Other values than the best that meet the data as well.
 bool is_another(const Minimum& other, const Minimum& best, const FitResult& result) {
   const double variance = std::max(best.misfit.variance(best.at.size()), std::pow(small_residual, 2));
   if (!other.misfit.sound || other.misfit.sum() - best.misfit.sum() > 4.0 * variance) return false;
   for (Eigen::Index k = 0; k < best.at.size(); ++k) {
     const double deviation = result.parameters[k].standard_deviation;  // NaN: whatever the value, the data agree
-    if (std::abs(other.at(k) - best.at(k)) > std::max(5.0 * deviation, 0.01 * std::abs(best.at(k)))) return true;
+    if (std::abs(other.at(k) - best.at(k)) > std::max(far_apart * deviation, 0.01 * std::abs(best.at(k)))) return true;
   }
   return false;
 }
@@ -191,17 +193,21 @@ double reach(Search& search, const FitStudy& study, const Minimum& best, Eigen::
 }
 
 // A deviation that S allows by all runs made: where it is quadratic, |p_k - best_k| <= deviation (rise of S / its
-// variance)^(1/2) anywhere.
-double deviation_of_tried(const Search& search, const Minimum& best, Eigen::Index k) {
+// variance)^(1/2) anywhere; and the run that tells it.
+struct TriedDeviation {
+  double deviation = 0.0;
+  Eigen::VectorXd at;
+};
+TriedDeviation deviation_of_tried(const Search& search, const Minimum& best, Eigen::Index k) {
   constexpr double farthest = 9.0;
   const double variance = best.misfit.variance(best.at.size());
-  double deviation = 0.0;
+  TriedDeviation most;
   for (const auto& [at, compared, sum] : search.tried) {
     const double rise = (sum - best.misfit.sum()) / variance;
-    if (compared == best.compared && rise <= farthest)
-      deviation = std::max(deviation, std::abs(at(k) - best.at(k)) / std::sqrt(std::max(rise, 1.0)));
+    const double deviation = std::abs(at(k) - best.at(k)) / std::sqrt(std::max(rise, 1.0));
+    if (compared == best.compared && rise <= farthest && deviation > most.deviation) most = {deviation, at};
   }
-  return deviation;
+  return most;
 }
 
 // How far a parameter that J hardly knows may go, the others held, until S rises: samples of what jumps tell it to
@@ -236,7 +242,8 @@ std::optional<double> plateau(Search& search, const FitStudy& study, const Minim
 
 }  // namespace
 
-std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best, FitResult& result) {
+std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, const Minimum& best,
+                                     std::vector<Minimum>& others, FitResult& result) {
   const Eigen::Index n = std::ssize(study.parameters);
   const Misfit& misfit = best.misfit;
   // Numbers of 53 digits are rounded by so much of a deviation that is a hundredth of them.
@@ -244,7 +251,7 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
   const double variance = std::max(misfit.variance(n), rounding * rounding);
   result.residual = residual_of(misfit, n);
   result.measured = static_cast<std::size_t>(misfit.residual.size());
-  result.freedom = static_cast<std::size_t>(misfit.freedom(n));
+  result.freedom = misfit.is_tested(n) ? static_cast<std::size_t>(misfit.freedom(n)) : 0;
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto size = static_cast<std::size_t>(n);
   result.covariance.assign(size * size, none);
@@ -304,9 +311,19 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
     if (ways(a) == 0.0 && (result.residual > small_residual || result.freedom == 0)) {
       Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
       step(free) = std::sqrt(variance / inverse(a, a)) * scale(free).cwiseProduct(inverse.col(a));
+      const double own = std::abs(step(free[a]));
       longer(a) =
-          std::max({reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower),
-                    deviation_of_tried(search, best, free[a]) / std::abs(step(free[a]))});
+          std::max(reach(search, study, best, free[a], step, lower), reach(search, study, best, free[a], -step, lower));
+      // A run that is low farther off than that is in the same valley, or in another one, whose minimum it leads to.
+      if (const auto [deviation, at] = deviation_of_tried(search, best, free[a]); deviation > longer(a) * own) {
+        Minimum other = search.minimum_from(at, best.compared, study.most_runs);
+        const double gained = best.misfit.sum() - other.misfit.sum();
+        if (gained > 0.03 * variance && !lower) lower = other.at;
+        if (std::abs(other.at(free[a]) - best.at(free[a])) > far_apart * longer(a) * own)
+          others.push_back(std::move(other));
+        else
+          longer(a) = deviation / own;
+      }
     }
     const double noise = longer(a) * scale(free[a]) * std::sqrt(variance * inverse(a, a)),
                  linear = std::min(1.0, longer(a)) * scale(free[a]) * moved.linear(a);

@@ -102,9 +102,7 @@ bool is_large(const FitStudy& study, const Misfit& misfit) {
 bool is_explained(const FitStudy& study, const Misfit& misfit) {
   const Eigen::Index n = std::ssize(study.parameters);
   if (!misfit.sound) return false;
-  // No more numbers than parameters are met by any motion, whether or not it is that of the data.
-  const Eigen::Index telling = (misfit.jacobian.rowwise().squaredNorm().array() > 0.0).count() - misfit.repeated;
-  return (residual_of(misfit, n) <= small_residual && telling > n) ||
+  return (residual_of(misfit, n) <= small_residual && misfit.is_tested(n)) ||
          (!is_systematic(misfit.residual, n) && !is_large(study, misfit));
 }
 

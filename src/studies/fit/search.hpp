@@ -32,9 +32,15 @@ struct Misfit {
   Eigen::Index freedom(Eigen::Index parameters) const {
     return std::max<Eigen::Index>(residual.size() - forgiven - repeated - parameters, 0);
   }
-  /// S / (m - n); of deviations that are as given, 1, where there are no more numbers than parameters.
+  /// True if more numbers tell the parameters than these are. As many are met by any motion, and the others, such as
+  /// those of a bar at rest, do not tell how well they are.
+  bool is_tested(Eigen::Index parameters) const {
+    return (jacobian.rowwise().squaredNorm().array() > 0.0).count() - repeated > parameters;
+  }
+  /// S / (m - n); 1 at least, of deviations that are as given, where nothing tests it.
   double variance(Eigen::Index parameters) const {
-    return freedom(parameters) > 0 ? sum() / static_cast<double>(freedom(parameters)) : 1.0;
+    const double known = sum() / static_cast<double>(std::max<Eigen::Index>(freedom(parameters), 1));
+    return freedom(parameters) == 0 ? 1.0 : is_tested(parameters) ? known : std::max(known, 1.0);
   }
 };
 
