@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
