@@ -9,104 +9,17 @@
 #include <vector>
 
 #include "discretisation/gauss.hpp"
-#include "dynamics/contact_rows.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "integration/bernstein.hpp"
+#include "integration/joint_forces.hpp"
 #include "integration/point_values.hpp"
+#include "integration/span_force.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
 
 /// The rates of entries (see ContactWatch::look_at) by methods that hold no node with mass, where nobody asks for any.
 inline constexpr auto no_rates = [](std::size_t, double) { return std::span<const double>(); };
-
-/// The force of a span obstacle on the bar in the direction of u, the sum of its springs,
-///
-///     R(t) = sum over closed contacts i of  - s_i k_i (s_i u_i + gap_i) - c_i u_i'
-///
-/// (s, k, c as in ContactLaw), and the account of it: int R dt and max |R|, of the polynomial of each step.
-class SpanForce {
- public:
-  /// Both outlive it. Without a span obstacle it asks for nothing.
-  SpanForce(const Contacts& contacts, SpanAccount& account);
-
-  /// Appends the entries of (u, w) that it samples.
-  void ask_for(std::vector<std::size_t>& entries);
-  /// `origin` is added to u to have displacements from here on; empty: nothing.
-  void measure_from(std::span<const double> origin) { origin_ = origin; }
-  /// Appends the positions of the entries of closed contacts among all.
-  void select(std::vector<std::size_t>& positions) const;
-
-  bool closed() const;
-  /// At the points of a step, by the entries of all.
-  void look_at(std::size_t order, std::span<const PointValues> y);
-  /// R there.
-  const PointValues& samples() const { return force_; }
-  /// max |R| of the run so far
-  double peak() const { return account_.peak_reaction; }
-  /// Adds a step of that length, which ends at `to`.
-  void add(double to, double length, std::size_t order);
-
- private:
-  struct Node {
-    std::size_t contact, displacement, velocity;  // positions of its entries
-    bool damped;                                  // true if the entries include the velocity
-  };
-
-  const Contacts& contacts_;
-  SpanAccount& account_;
-  std::vector<Node> nodes_;
-  std::span<const double> origin_;
-  PointValues force_{};
-};
-
-/// The forces of closed contacts at joints of a chain, and of obstacles that meet a body as another contact does, each
-/// by the row beside it (see JointRow),
-///
-///     sign N = d/dt (inertia . v + c (u_node - u_next) + c_0 u_node) + k (u_node - u_next) + k_0 u_node - f_0 -
-///              (M f)_node + (M (k u + c v))_node,
-///
-/// and the account of it: int N dt, and max N of the polynomial of each step.
-///
-/// Where there is no row, its law has the force.
-class JointForces {
- public:
-  /// Both outlive it. Without such contacts it asks for nothing.
-  JointForces(const Contacts& contacts, const ActingLoad& load, RunAccount& account);
-
-  void ask_for(std::vector<std::size_t>& entries);
-  /// `origin` is added to u to have displacements from here on; empty: nothing.
-  void measure_from(std::span<const double> origin) { origin_ = origin; }
-  /// Takes the rows as the contacts are now, wherever they change.
-  void begin();
-  void select(std::vector<std::size_t>& positions) const;
-  bool closed() const;
-  /// At the points of a step, by the entries of all.
-  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
-  void strike(std::size_t contact, double impulse, std::span<const double> change);
-  /// Adds a step of that length, which ends at `to`.
-  void add(double to, double length, std::size_t order, bool extremes);
-
- private:
-  struct Joint {
-    std::size_t contact;
-    std::variant<JointAccount*, EndAccount*> account;
-    JointRow row;
-    double direction;                        // of its force: the row's sign at a joint, of an obstacle that of u
-    std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
-    PointValues momentum{}, rate{};
-  };
-
-  void look_at(Joint& joint, std::size_t j, double from, double to, std::size_t order,
-               std::span<const PointValues> y) const;
-  /// Positions that are used: the last is of a side that resists.
-  std::size_t used() const { return contacts_.bar().side() ? 6 : 5; }
-
-  const Contacts& contacts_;
-  const ActingLoad& load_;
-  std::vector<Joint> joints_;
-  std::span<const double> origin_;
-};
 
 /// Keeps the account of the ends and of a span obstacle's force (see RunAccount) over the steps of a stepwise run, on
 /// the polynomials that each step is interpolated by: range of u and peak of R are theirs. The impulse of a closed

@@ -44,8 +44,8 @@ class Chain:
         self.mass = str(random.choice(["fourth_order", "consistent", "lumped"]))
         self.end = self.number(1.0, 3.0)
         self.members = [self.draw_member(k) for k in range(random.integers(2, 7))]
-        for k, member in enumerate(self.members):  # two rigid bodies side by side are a kind of their own
-            if k > 0 and "mass" in member and "mass" in self.members[k - 1]:
+        for k, member in enumerate(self.members):  # two rigid bodies side by side are rarer
+            if k > 0 and "mass" in member and "mass" in self.members[k - 1] and self.sometimes(0.7):
                 self.members[k] = self.draw_bar()
         if all("mass" in member for member in self.members):
             self.members[0] = self.draw_bar()
@@ -95,7 +95,7 @@ class Chain:
 
     def draw_end(self, member):
         end = dict(kind=str(self.random.choice(["free", "obstacle", "fixed"])))
-        if "mass" in member:
+        if "mass" in member and end["kind"] == "fixed":
             end = dict(kind="free")
         if end["kind"] == "obstacle":
             end["gap"] = self.number(0.02, 0.2)

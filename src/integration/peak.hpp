@@ -1,0 +1,27 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "integration/bernstein.hpp"
+
+namespace viscobar {
+
+/// Takes the reactions of a step, which ends at `to`, into the peaks of its contact and of the run: those of either
+/// sign, or the pushes alone.
+void raise_peak(auto& account, std::span<const double> force, double to, double length, bool pulls = true) {
+  const double known = std::abs(account.latest.reaction);
+  const auto [least, most] = std::ranges::minmax_element(force);
+  const double excess = Bernstein::excess(force.size() - 1) * (*most - *least);
+  if (*most + excess <= known && (!pulls || excess - *least <= known)) return;
+  const Bernstein polynomial = Bernstein::through(force);
+  const auto take = [&](double extreme, auto sample) {
+    const double part = static_cast<double>(sample - force.begin()) / static_cast<double>(force.size() - 1);
+    account.peak_reaction = std::max(account.peak_reaction, account.latest.raise(extreme, to - (1.0 - part) * length));
+  };
+  take(polynomial.largest(known), most);
+  if (pulls) take(polynomial.smallest(-known), least);
+}
+
+}  // namespace viscobar
