@@ -87,13 +87,15 @@ void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
   lower_.resize(matrix.off_diagonal.size());
   upper_.resize(matrix.skew.size());
   patches_.clear();
+  meet_ = false;
   if (!matrix.one_sided.empty() || !matrix.ties.empty()) return factorise_patched(matrix);
   bool positive = true;
   for (std::size_t i = 0; i < n && lower_.empty(); ++i) {
     positive &= matrix.diagonal[i] > 0.0;
     inverse_pivot_[i] = 1.0 / matrix.diagonal[i];
   }
-  const std::size_t middle = from_both_ends(n) && !lower_.empty() && upper_.empty() ? n / 2 : n - 1;
+  meet_ = from_both_ends(n) && !lower_.empty() && upper_.empty();
+  const std::size_t middle = meet_ ? n / 2 : n - 1;
   double lost = 0.0;  // of the pivot at which both ends meet
   for (std::size_t i = n - 1; i > middle; --i) {
     const double pivot = matrix.diagonal[i] - lost, off = matrix.off_diagonal[i - 1];
@@ -243,8 +245,7 @@ void TridiagonalFactor::solve(std::span<double> x) const {
     for (std::size_t i = 0; i < n; ++i) x[i] *= inverse_pivot_[i];
     return;
   }
-  if (from_both_ends(n) && patches_.empty() && upper_.empty())
-    return solve_from_both_ends(lower_.data(), inverse_pivot_.data(), x.data(), n);
+  if (meet_) return solve_from_both_ends(lower_.data(), inverse_pivot_.data(), x.data(), n);
   std::size_t from = 0;
   for (const Patch& patch : patches_) {
     if (!patch.leftwards) continue;

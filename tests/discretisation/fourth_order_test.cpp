@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "discretisation/lane_factor.hpp"
@@ -180,11 +181,12 @@ TEST(TridiagonalFactor, SolvesWithRowsOfBarsInLine) {
 // The sum of two rows that are tied counts, and they have one value.
 TEST(TridiagonalFactor, TiesTwoRows) {
   std::mt19937 random(16);
-  for (const bool rows : {false, true})
+  for (const auto& [rows, symmetric] : {std::pair{true, false}, {false, false}, {false, true}})
     for (std::size_t n = 8; n < 30; ++n)
       for (std::size_t joint = 3; joint + 4 < n; ++joint) {
         BandedMatrix matrix = random_chain(n, joint, true, random);
         if (!rows) matrix.one_sided.clear();
+        if (symmetric) matrix.skew.clear();
         const Matrix full = dense(matrix);
         matrix.tie(joint);
         std::vector<double> x(n);

@@ -158,6 +158,7 @@ class TridiagonalFactor {
   std::vector<double> upper_;          // U(i,i+1), where it is another one
   std::vector<double> inverse_pivot_;  // 1 / D(i,i)
   std::vector<Patch> patches_;         // in the order of the one-sided rows
+  bool meet_ = false;                  // true if rows are eliminated from both ends
 };
 
 /// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add
