@@ -154,7 +154,7 @@ bool ContactChanges::is_of_scene(double t, std::size_t i, double closing) const 
          2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing);
 }
 
-// What the penalty has stored is lost, as work of the obstacle.
+// Energy that the penalty has stored is lost, as work of the obstacle.
 void ContactChanges::leave_obstacles(double t, const FrameJump& jump) {
   const double largest = on_.stepper.weights().largest_displacement();
   for (const std::size_t i : left_by_jump(contacts_, jump, t, u(), largest)) {

@@ -19,7 +19,7 @@ namespace viscobar {
 /// their order.
 class ContactChanges {
  public:
-  /// What they act on; all outlive it.
+  /// Objects that they act on; all outlive it.
   struct On {
     PenalisedSystem& system;
     const Layout& layout;
