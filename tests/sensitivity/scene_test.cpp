@@ -136,7 +136,7 @@ TEST(FormulaDerivative, IsExactForEveryFunctionThatFormulasKnow) {
 // mean.
 TEST(SceneSensitivities, OfAKinkOnANodeAreTheMeanOfItsSides) {
   const std::string text =
-      "[bar]\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\ndisplacement = \"0.1*abs(x-a)\"\n"
+      "[bar]\nlength = 1.0\nviscosity = 0.1\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\ndisplacement = \"0.1*abs(x-a)\"\n"
       "velocity = -1.0\n[parameters]\na = 0.5\n[time]\nend = 1.0\n[mesh]\nelements = 30\n[method]\nname = \"rigid\"\n"
       "relative_tolerance = 1e-10\n";
   const Recording with = record(parse_scene(text, "scene", {{"sensitivity.of=[\"parameters.a\"]"}}).run);

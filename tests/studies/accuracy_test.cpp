@@ -383,7 +383,7 @@ TEST(AccuracyOnRequest, BeforeALongRunTheForecastIsThatOfACoarserMesh) {
 // An obstacle that is never met adds nothing to the error, whatever a soft stop elsewhere gives way by.
 TEST(Estimates, OfABarAtAStopWithALawCountNoDepthOfThatStop) {
   const std::string scene =
-      "[bar]\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n"
+      "[bar]\nlength=1.0\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0.1\n"
       "contact={law=\"spring_damper\",stiffness=10.0}\n[initial]\nvelocity=-1\n[time]\nend=3\n";
   const auto estimate = [&](const std::string& more) {
     return accuracy::quick_estimate(parse_scene(scene + more, "scene").run, {}, 10.0, {}).estimate.value();
