@@ -204,10 +204,11 @@ FitResult fit(const FitStudy& study) {
     found.push_back(search.minimum_from(start, first, most));
     result.sums.push_back(found.back().misfit.sound ? found.back().misfit.sum()
                                                     : std::numeric_limits<double>::quiet_NaN());
-    double gained = found[best].misfit.sum() - found.back().misfit.sum();
+    const double gained = found[best].misfit.sum() - found.back().misfit.sum();
     // No more numbers than parameters are met by several values: those that were found first stay.
-    const bool tested = found[best].misfit.is_tested(std::ssize(study.parameters));
-    if (!tested && gained < 1e-3 && !found.back().at.isApprox(found[best].at, 0.01)) gained = std::min(gained, -1e-3);
+    const bool is_met = found[best].misfit.sum() <= small_residual * small_residual &&
+                        !found[best].misfit.is_tested(std::ssize(study.parameters));
+    if (is_met && !found.back().at.isApprox(found[best].at, 0.01)) return;
     if (gained > 0.0 || (gained == 0.0 && found.back().converged >= found[best].converged)) best = found.size() - 1;
   };
   // Values that meet the samples as they are, by the minima that lead there.
