@@ -239,9 +239,7 @@ const std::vector<double>* LoadVector::profile() const {
   return alone ? &separable->weighted : nullptr;
 }
 
-double LoadVector::history(double t) const {
-  return history_at(load_as<NodalLoad::Separable>()->history, inside(t));
-}
+double LoadVector::history(double t) const { return history_at(load_as<NodalLoad::Separable>()->history, inside(t)); }
 
 double LoadVector::at_held(double t, bool right) const {
   const double own = distributed(inside(t), right ? system_.mesh().elements : 0);

@@ -160,8 +160,8 @@ TEST(RigidBodies, ARamOnACapIsToldByItsRow) {
     }
 }
 
-// The impulse of the obstacle of a body, less that of the bar that presses on the body, is the body's change of momentum:
-// rows tell both, whatever the mass of the bar. The scheme has them at a step of 1e-4.
+// The impulse of the obstacle of a body, less that of the bar that presses on the body, is the body's change of
+// momentum: rows tell both, whatever the mass of the bar. The scheme has them at a step of 1e-4.
 TEST(RigidBodies, AnObstacleOfABodyBearsTheNextBarToo) {
   for (const char* mass : {"fourth_order", "consistent", "lumped"})
     for (const bool mirrored : {false, true})

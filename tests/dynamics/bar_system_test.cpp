@@ -129,8 +129,8 @@ TEST(BarSystem, EffectiveMassOfAnEndIsHalfAnElementLumpedAndRootThreeSixthsOfOne
   const Scene scene = scene_with(Obstacle{1.0}, Free{});
   EXPECT_NEAR(BarSystem(scene, mesh, Mass::lumped).inertia().effective_masses().front(), rho * h / 2, 4 * eps);
   // Pivots of (h/6) [2 1; 1 4 1; ...] converge to (h/6)(2 + sqrt 3), so the end's is (h/6)(2 - 1/(2 + sqrt 3)).
-  EXPECT_NEAR(BarSystem(scene, mesh, Mass::consistent).inertia().effective_masses().front(), rho * h / 6 * std::sqrt(3.0),
-              10 * eps);
+  EXPECT_NEAR(BarSystem(scene, mesh, Mass::consistent).inertia().effective_masses().front(),
+              rho * h / 6 * std::sqrt(3.0), 10 * eps);
   EXPECT_EQ(BarSystem(scene, mesh, Mass::redistributed).inertia().effective_masses().front(), 0.0);
 }
 
