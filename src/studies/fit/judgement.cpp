@@ -106,11 +106,12 @@ ModelError model_error(Search& search, const FitStudy& study, const Minimum& bes
 }
 
 constexpr double far_apart = 5.0;  // deviations
+constexpr double as_well = 4.0;    // variances by which S may be larger
 
 // Other values than the best that meet the data as well.
 bool is_another(const Minimum& other, const Minimum& best, const FitResult& result) {
   const double variance = std::max(best.misfit.variance(best.at.size()), std::pow(small_residual, 2));
-  if (!other.misfit.sound || other.misfit.sum() - best.misfit.sum() > 4.0 * variance) return false;
+  if (!other.misfit.sound || other.misfit.sum() - best.misfit.sum() > as_well * variance) return false;
   for (Eigen::Index k = 0; k < best.at.size(); ++k) {
     const double deviation = result.parameters[k].standard_deviation;  // NaN: whatever the value, the data agree
     if (std::abs(other.at(k) - best.at(k)) > std::max(far_apart * deviation, 0.01 * std::abs(best.at(k)))) return true;
@@ -319,7 +320,8 @@ std::optional<Eigen::VectorXd> judge(Search& search, const FitStudy& study, cons
         Minimum other = search.minimum_from(at, best.compared, study.most_runs);
         const double gained = best.misfit.sum() - other.misfit.sum();
         if (gained > 0.03 * variance && !lower) lower = other.at;
-        if (std::abs(other.at(free[a]) - best.at(free[a])) > far_apart * longer(a) * own)
+        const bool is_told = -gained <= as_well * variance;  // else it is no minimum to be told
+        if (is_told && std::abs(other.at(free[a]) - best.at(free[a])) > far_apart * longer(a) * own)
           others.push_back(std::move(other));
         else
           longer(a) = deviation / own;
