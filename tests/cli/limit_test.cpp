@@ -384,7 +384,7 @@ TEST_F(Limit, InterruptedItReplacesNoCompleteStudyAndIsNotCompleteItself) {
     std::ofstream(directory_ / "interrupt.sh") << "env --default-signal=INT '" VISCOBAR_COMMAND "' limit " +
                                                       scene("chatter") +
                                                       " --epsilon 1e-2:1e-10 --set mesh.elements=2000 -q -o " + place +
-                                                      " 2>err.txt &\nsleep 1.5\nkill -INT $!\nwait $!\n";
+                                                      " 2>err.txt &\nsleep 4\nkill -INT $!\nwait $!\n";
     const int status = std::system(("cd '" + directory_.string() + "' && bash interrupt.sh").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 130) << read_text(directory_ / "err.txt");
   }
