@@ -1,6 +1,7 @@
 // The promises of an ensemble to its caller.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -63,6 +64,22 @@ TEST(Ensemble, FinalIsTheStateOfAllNodesAtTheEndSideBySideAndAlone) {
       EXPECT_EQ(all[0], found.values[2][2 * i + 1]) << lanes << i;
       EXPECT_EQ(all[24], found.values[3][2 * i + 1]) << lanes << i;
     }
+  }
+}
+
+TEST(Ensemble, TellsImpulsesAndPeaksOfTheEndThatIsNamed) {
+  // Thrown to the left, so that the left stop takes the larger blow.
+  const TextEnsemble made{thrown, {"right.gap"}, {{0.1, 0.6, 50.0}}};
+  EnsembleStudy study = made.study();
+  study.outputs = {"impulse_left", "peak_left", "impulse_right", "peak_right"};
+  const EnsembleResult found = ensemble(study);
+  for (std::size_t i = 0; i < found.bars; ++i) {
+    const RunAccount account = record(study.model(std::array{made.values[0][i]})).statistics.account.value();
+    EXPECT_GT(account.left.peak_reaction, account.right.peak_reaction);
+    EXPECT_EQ(found.values[0][i], account.left.impulse);
+    EXPECT_EQ(found.values[1][i], account.left.peak_reaction);
+    EXPECT_EQ(found.values[2][i], account.right.impulse);
+    EXPECT_EQ(found.values[3][i], account.right.peak_reaction);
   }
 }
 

@@ -46,6 +46,7 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   output.name = text;
   for (const auto& [kind, word] : {std::pair{Kind::impulse, std::string("impulse_")}, {Kind::peak, "peak_"}}) {
     output.kind = kind;
+    output.account = 0;
     if (text == word + "left") return output;
     output.account = 1;
     if (text == word + "right") return output;
