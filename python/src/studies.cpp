@@ -405,7 +405,7 @@ void run_sweep(const SweepFile& sweep, std::size_t threads, py::list table) {
   SweepQueue queue(sweep, costs);
   std::map<std::size_t, SweepRow> rows;
   if (threads == 0) threads = cores();
-  const SweepWork work{sweep.scene_text, queue, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
+  const SweepWork work{sweep, queue, [&](const SweepRow& row) { rows[row.index] = row; }, [] {},
                        [&] { return stop.load(); }};
   const auto tell = [&] {
     for (const auto& [index, row] : rows) table.append(to_dict(sweep.plan, row));

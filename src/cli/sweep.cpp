@@ -131,7 +131,7 @@ int run_job(const SweepOptions& asked, const SweepFile& sweep, const SweepJob& j
   std::optional<SweepProgress> progress;
   if (!asked.json && !asked.output.quiet && job.part.number == 1 && on_terminal())
     progress.emplace(costs, queue, cases);
-  const SweepWork work{sweep.scene_text, queue,
+  const SweepWork work{sweep, queue,
                        [&](const SweepRow& row) {
                          results.add(row);
                          integration += row.integration_seconds;

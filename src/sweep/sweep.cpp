@@ -30,6 +30,7 @@ std::vector<std::size_t> SweepPlan::choice(std::size_t index) const {
 }
 
 std::vector<QuantityColumn> SweepPlan::columns() const {
+  if (!bars.empty()) return bars;
   const auto own = quantity_columns();
   std::vector<QuantityColumn> all(own.begin(), own.end());
   const QuantityColumn of_joint[joint_values] = {{"closings", "1", "contacts at the joint"},

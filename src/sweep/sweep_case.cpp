@@ -9,6 +9,7 @@
 #include "input/toml_text.hpp"
 #include "run/stopwatch.hpp"
 #include "studies/accuracy/plan.hpp"
+#include "sweep/sweep_bars.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/record/record_run.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -157,6 +158,8 @@ bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool(
   }
 }
 
+}  // namespace
+
 std::string fitting(std::string text) {
   constexpr std::string_view cut_off = "...";
   if (text.size() <= longest_error) return text;
@@ -165,7 +168,14 @@ std::string fitting(std::string text) {
   return text += cut_off;
 }
 
-}  // namespace
+std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const SweepCase> cases,
+                                const std::function<bool()>& interrupted) {
+  if (!sweep.ensemble.outputs.empty()) return run_bars(sweep, cases, interrupted);
+  std::vector<SweepRow> rows;
+  for (const SweepCase& one : cases)
+    if (auto row = run_case(sweep.scene_text, one, interrupted)) rows.push_back(*std::move(row));
+  return rows;
+}
 
 std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase& one,
                                  const std::function<bool()>& interrupted) {

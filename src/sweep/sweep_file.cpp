@@ -11,6 +11,7 @@
 #include "input/scene_entries.hpp"
 #include "input/scene_values.hpp"
 #include "studies/parallel.hpp"
+#include "sweep/sweep_bars.hpp"
 #include "sweep/varied_values.hpp"
 #include "text/nearest_name.hpp"
 #include "text/printable_text.hpp"
@@ -52,6 +53,14 @@ class SweepReader {
     }
     sweep_.settings.insert(sweep_.settings.end(), overrides_.begin(), overrides_.end());
     heed_scene(sweep_);
+    if (!sweep_.ensemble.outputs.empty()) {
+      for (const auto& [key, message] : plan_bars(sweep_)) {
+        const auto place = sweep_.places.find(key);
+        report(key, place == sweep_.places.end() ? ensemble_ : TextPosition{place->second.line, place->second.column},
+               message);
+      }
+      if (!found_.empty()) throw SceneError(std::move(found_));
+    }
     return std::move(sweep_);
   }
 
@@ -63,7 +72,7 @@ class SweepReader {
   }
 
   void top_level(const TomlNode& entry) {
-    static constexpr std::string_view known[] = {"title", "scene", "combine", "set", "vary"};
+    static constexpr std::string_view known[] = {"title", "scene", "combine", "set", "vary", "ensemble"};
     std::string key = entry.key;
     if (std::ranges::find(known, key) == std::end(known)) {
       if (is_scene_table(key))
@@ -74,9 +83,10 @@ class SweepReader {
       key = *nearest;  // so that its value is checked, and does not count as missing
     }
     seen_.insert(key);
-    if (key == "vary" || key == "set") {
+    if (key == "vary" || key == "set" || key == "ensemble") {
       if (entry.kind != TomlNode::Kind::table)
         return report(key, entry.value_at, fmt::format("must be a table, written [{}]", key));
+      if (key == "ensemble") return ensemble(entry);
       for (const TomlNode& inside : entry.inside) scene_key(inside, "", key == "vary");
       if (key == "vary" && entry.inside.empty()) report(key, entry.value_at, "is empty: nothing varies");
       return;
@@ -86,6 +96,33 @@ class SweepReader {
     if (key == "title") sweep_.title = *text;
     if (key == "combine") combine(*text, entry.value_at);
     if (key == "scene") scene(*text, entry.value_at);
+  }
+
+  void ensemble(const TomlNode& table) {
+    static constexpr std::string_view known[] = {"outputs", "error"};
+    ensemble_ = table.key_at;
+    for (const TomlNode& entry : table.inside) {
+      const std::string key = "ensemble." + entry.key;
+      if (entry.key == "outputs") {
+        for (const TomlNode& one : entry.inside)
+          if (const auto* text = std::get_if<std::string>(&one.value))
+            sweep_.ensemble.outputs.push_back(*text);
+          else
+            report(key, one.value_at, fmt::format("holds texts, as \"impulse_left\"; this is {}", kind_of(one.value)));
+        if (entry.kind != TomlNode::Kind::array || entry.inside.empty())
+          report(key, entry.value_at, "must be a list of outputs, as [\"impulse_left\", \"u_left@0.5\"]");
+      } else if (entry.key == "error") {
+        const auto* number = std::get_if<double>(&entry.value);
+        if (number && *number > 0.0 && *number < 1.0)
+          sweep_.ensemble.error = *number;
+        else
+          report(key, entry.value_at, "must be a share between 0 and 1, as 1e-3");
+      } else {
+        report(key, entry.key_at, "unknown key; " + instead_of(entry.key, known));
+      }
+    }
+    if (!entry_of(table, "outputs"))
+      report("ensemble.outputs", table.key_at, "is missing: a list of what each bar tells, as [\"impulse_left\"]");
   }
 
   void combine(const std::string& word, TextPosition at) {
@@ -179,7 +216,7 @@ class SweepReader {
   std::string source_;
   std::vector<std::string> overrides_;
   SweepFile sweep_;
-  TextPosition end_;
+  TextPosition end_, ensemble_;
   std::set<std::string> seen_;
   bool faulty_ = false;
   std::vector<Diagnostic> found_;
@@ -204,6 +241,8 @@ double cost_of(const std::string& scene_text, const std::string& source, const S
 std::string SweepFile::identity() const {
   std::string text = fmt::format("viscobar {}\n", versions().viscobar);
   for (const Setting& setting : settings) text += fmt::format("{}\n", text_of(setting));
+  for (const std::string& output : ensemble.outputs) text += fmt::format("output {}\n", output);
+  if (ensemble.error) text += fmt::format("error {}\n", *ensemble.error);
   text += plan.combine == Combine::zip ? "zip\n" : "grid\n";
   for (const VariedKey& key : plan.keys) {
     text += key.key + ":";
@@ -246,6 +285,8 @@ std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads, cons
   std::vector<double> costs(sweep.plan.size(), 0.0);
   const std::vector<bool> own = part.own(costs.size());
   std::vector<std::size_t> cases;
+  // Bars side by side cost alike; one that cannot be run costs nothing.
+  if (!sweep.ensemble.outputs.empty()) return std::vector<double>(costs.size(), 1.0);
   for (std::size_t i = 0; i < costs.size(); ++i)
     if (own[i]) cases.push_back(i);
   std::vector<std::vector<Diagnostic>> refused(cases.size());

@@ -36,7 +36,8 @@ std::vector<std::size_t> telling_columns(const SweepPlan& plan, std::span<const 
 }
 
 /// The columns among these that describe the motion of the bar, the most telling first.
-std::vector<std::size_t> by_interest(const std::vector<std::size_t>& shown) {
+std::vector<std::size_t> by_interest(const SweepPlan& plan, const std::vector<std::size_t>& shown) {
+  if (!plan.bars.empty()) return shown;
   using enum Quantity;
   constexpr Quantity order[] = {events,
                                 max_reaction_left,
@@ -102,12 +103,11 @@ std::string data_json(const SweepFile& sweep, std::span<const SweepRow* const> r
                        plot::json_numbers(
                            rows, [&](const SweepRow* row) { return row->column(k); }, 7));
   };
-  const std::vector<std::size_t> interesting = by_interest(shown);
+  const std::vector<std::size_t> interesting = by_interest(sweep.plan, shown);
   return fmt::format(
       R"({{"zip":{},"first":{},"command":{},"keys":{},"columns":{},"index":{},"choice":{},"errors":{{{}}},"anchors":{},"dashes":{},"markers":{}}})",
-      sweep.plan.combine == Combine::zip,
-      json_string(interesting.empty() ? "" : quantity_columns()[interesting.front()].name), json_string(command),
-      list(keys, key_json), list(shown, column_json),
+      sweep.plan.combine == Combine::zip, json_string(interesting.empty() ? "" : columns[interesting.front()].name),
+      json_string(command), list(keys, key_json), list(shown, column_json),
       list(rows, [&](const SweepRow* row) { return value_json(row->index); }),
       list(rows, [&](const SweepRow* row) { return list(sweep.plan.choice(row->index), value_json); }), errors,
       list(plot::sequential().anchors, [](plot::Colour colour) { return json_string(plot::hex(colour)); }),
@@ -123,7 +123,7 @@ Table sweep_text_table(const SweepFile& sweep, std::span<const SweepRow* const> 
   const std::vector<Column<Row>> all = sweep_columns(sweep.plan);
   std::vector<Column<Row>> columns(all.begin(), all.begin() + 1 + std::ssize(sweep.plan.keys));
   const std::size_t words = columns.size(), numbers = words + 2;  // behind completed and error
-  for (const std::size_t k : by_interest(telling_columns(sweep.plan, rows))) {
+  for (const std::size_t k : by_interest(sweep.plan, telling_columns(sweep.plan, rows))) {
     if (columns.size() == words + most_columns) break;
     columns.push_back(all[numbers + k]);
     columns.back().people = [k](Row row, const NumberText& number) {

@@ -186,6 +186,7 @@ std::vector<SweepRow> SweepTable::read() const {
     row.completed = completed != 0;
     row.error.assign(from, strnlen(from, longest_error));
     from += longest_error;
+    if (!plan_.bars.empty()) row.values.resize(plan_.bars.size());
     for (double& value : row.values) get(value);
     row.joints.resize(joint_values * plan_.joints);
     for (double& value : row.joints) get(value);

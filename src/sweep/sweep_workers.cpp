@@ -1,8 +1,10 @@
 #include "sweep/sweep_workers.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <iterator>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -17,11 +19,11 @@ SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, co
     if (to_run.empty() || to_run[i]) left_.push_back(i);
 }
 
-std::optional<SweepCase> SweepQueue::take() {
-  if (left_.empty()) return std::nullopt;
-  const std::size_t next = left_.front();
-  left_.pop_front();
-  return case_of(sweep_, next);
+std::vector<SweepCase> SweepQueue::take() {
+  std::vector<SweepCase> cases;
+  for (; cases.size() < sweep_.ensemble.batch && !left_.empty(); left_.pop_front())
+    cases.push_back(case_of(sweep_, left_.front()));
+  return cases;
 }
 
 double SweepQueue::seconds() const {
@@ -38,13 +40,13 @@ bool run_on_threads(const SweepWork& work, std::size_t threads) {
     try {
       while (!stopped()) {
         std::unique_lock lock(mutex);
-        const auto one = work.queue.take();
-        if (!one) return;
+        const std::vector<SweepCase> cases = work.queue.take();
+        if (cases.empty()) return;
         lock.unlock();
-        auto row = run_case(work.scene_text, *one, stopped);
-        if (!row) return;
+        std::vector<SweepRow> rows = run_cases(work.sweep, cases, stopped);
         lock.lock();
-        finished.push_back(*std::move(row));
+        std::ranges::move(rows, std::back_inserter(finished));
+        if (rows.size() < cases.size()) return;
       }
     } catch (...) {
       stop = true;

@@ -3,9 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "viscobar/sweep/sweep.hpp"
@@ -18,8 +16,8 @@ class SweepQueue {
   /// `costs` of all cases; `to_run` says which of them; empty: all.
   SweepQueue(const SweepFile& sweep, std::span<const double> costs, const std::vector<bool>& to_run = {});
 
-  /// To run now; absent: none is left.
-  std::optional<SweepCase> take();
+  /// To run now; empty: none is left.
+  std::vector<SweepCase> take();
 
   std::size_t size() const { return left_.size(); }
   double seconds() const;
@@ -31,7 +29,7 @@ class SweepQueue {
 };
 
 struct SweepWork {
-  const std::string& scene_text;
+  const SweepFile& sweep;
   SweepQueue& queue;
   std::function<void(const SweepRow&)> take;  ///< each row, in the thread that called; may throw, which ends the sweep
   std::function<void()> tick;                 ///< a few times a second

@@ -49,11 +49,13 @@ struct SweepPlan {
   std::vector<std::string> sensitivities{};  ///< keys with respect to which a row has derivatives, too
   bool accuracy = false;                     ///< true if each case keeps an error, by settings of its own
   std::size_t joints = 0;                    ///< of the scene's bars in line
+  std::vector<QuantityColumn> bars{};        ///< of bars side by side: all that a row tells
 
   /// Number of cases; that of a grid without keys is 1. A grid of more than 2^64 cases is not counted.
   std::size_t size() const;
-  /// The columns of numbers: the quantities; those of each joint; where an error is to be kept, elements, tolerance,
-  /// step and epsilon of the solution; then QUANTITY/KEY for each of `differentiated` and each key of `sensitivities`.
+  /// The columns of numbers: those of `bars`, if there are any. Else the quantities; those of each joint; where an
+  /// error is to be kept, elements, tolerance, step and epsilon of the solution; then QUANTITY/KEY for each of
+  /// `differentiated` and each key of `sensitivities`.
   std::vector<QuantityColumn> columns() const;
   std::vector<std::size_t> choice(std::size_t index) const;  ///< an index into the values of each key
   std::vector<Setting> settings(std::size_t index) const;    ///< the value of each key
@@ -111,11 +113,8 @@ struct SweepRow {
   std::size_t index = 0;   ///< of the case in its plan
   bool completed = false;  ///< true if it reached the end of its time
   std::string error;       ///< empty when completed; cut off after longest_error bytes
-  std::array<double, quantities> values = [] {
-    std::array<double, quantities> none{};
-    none.fill(std::numeric_limits<double>::quiet_NaN());
-    return none;
-  }();                                ///< NaN is what a table holds where the case has no such value
+  /// Of the quantities, or of SweepPlan::bars; NaN where the case has no such value.
+  std::vector<double> values = std::vector<double>(quantities, std::numeric_limits<double>::quiet_NaN());
   std::vector<double> joints{};       ///< that make the columns behind the quantities; NaN of a joint without a contact
   std::vector<double> chosen{};       ///< that make the next columns; empty where no error is to be kept
   std::vector<double> derivatives{};  ///< that make the last columns; empty: all NaN
@@ -138,6 +137,14 @@ struct SweepRow {
 /// [Graham 1969]; with wrong ones still by sum c / m + max c. Equal costs keep the order of the cases.
 std::vector<std::size_t> dispatch_order(std::span<const double> costs);
 
+/// Cases that run as bars of an ensemble, many side by side.
+struct SweepEnsemble {
+  std::vector<std::string> outputs;  ///< see EnsembleOutput; empty: each case is a run of its own
+  std::optional<double> error;       ///< of the integration, see EnsembleStudy
+  std::vector<double> common;        ///< values of the first case that can be run
+  std::size_t batch = 1;             ///< cases that a worker takes at a time
+};
+
 /// A sweep as read: the scene, what holds for all cases, and what varies.
 struct SweepFile {
   std::string title;              ///< free text
@@ -145,6 +152,7 @@ struct SweepFile {
   std::string scene_text;         ///< the scene itself, so that every worker runs the same
   std::vector<Setting> settings;  ///< for all cases: [set], then those of the command line
   SweepPlan plan;                 ///< keys that vary, and their values
+  SweepEnsemble ensemble{};       ///< [ensemble]
   Units units{};                  ///< those that the scene names
 
   /// Where a key of [set] or [vary] stands: a finding about its value in a case is one there.
@@ -189,6 +197,10 @@ struct SweepPart {
 /// Reads every case of a part (on `threads`, or all cores) and estimates what it costs; 0 for one that is refused.
 /// @throws SceneError when all of a whole sweep are refused, with all reasons
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0, const SweepPart& part = {});
+
+/// Runs cases of a sweep; fewer where `interrupted` says yes.
+std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const SweepCase> cases,
+                                const std::function<bool()>& interrupted = {});
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
 /// integrator's words. `interrupted` is asked after each step: there is no row when it says yes.

@@ -72,9 +72,9 @@ class EnsembleRun {
     std::size_t bars = 1;
     for (std::size_t k = 0; k < study.keys.size(); ++k) {
       const std::size_t count = study.values[k].size();
-      for (const char* fixed : {"time.end", "mesh.elements", "mesh.grading", "output.every"})
-        if (study.keys[k] == fixed)
-          throw std::invalid_argument(fmt::format("{}: is the same for all bars: their outputs share a shape", fixed));
+      if (is_shared_by_bars(study.keys[k]))
+        throw std::invalid_argument(
+            fmt::format("{}: is the same for all bars: their outputs share a shape", study.keys[k]));
       if (count == 0 || (count != 1 && bars != 1 && count != bars))
         throw std::invalid_argument(
             fmt::format("{}: has {} values where others have {}: as many, or one", study.keys[k], count, bars));
@@ -104,8 +104,8 @@ class EnsembleRun {
   }
 
   // The setup of a bar, by `rigid` where an error is asked for, the scene leaves the method open and rigid takes it.
-  Setup setup_of(std::size_t bar) const {
-    const Case run = study_.model(values_of(bar));
+  Setup setup_of(const std::vector<double>& values) const {
+    const Case run = study_.model(values);
     if (study_.error && wants_limit(run)) {
       Case by_rigid = run;
       by_rigid.method = MethodName::rigid;
@@ -116,10 +116,11 @@ class EnsembleRun {
 
   // The first bar that can be run: it tells what they have in common.
   Setup first_setup() const {
+    if (!study_.common.empty()) return setup_of(study_.common);
     std::string why;
     for (std::size_t bar = 0; bar < std::min<std::size_t>(bars_, 100); ++bar) {
       try {
-        Setup setup = setup_of(bar);
+        Setup setup = setup_of(values_of(bar));
         if (faults(setup).empty()) return setup;
       } catch (const std::exception& error) {
         if (why.empty()) why = error.what();
@@ -186,7 +187,7 @@ class EnsembleRun {
   std::optional<Setup> sound_setup(std::size_t i) {
     if (auto setup = setup_by_numbers(i)) return setup;
     try {
-      Setup setup = setup_of(i);
+      Setup setup = setup_of(values_of(i));
       const auto found = faults(setup);
       if (found.empty()) return setup;
       complain(i, BarStatus::faulty, found.front().key + " " + found.front().problem);
@@ -201,7 +202,7 @@ class EnsembleRun {
       const std::lock_guard lock(mutex_);
       result_.messages.emplace_back(i, why);
       std::ranges::sort(result_.messages);
-      if (result_.messages.size() > 100) result_.messages.pop_back();
+      if (result_.messages.size() > study_.most_messages) result_.messages.pop_back();
     }
     end_bar(i, status);
   }
@@ -251,6 +252,10 @@ class EnsembleRun {
 };
 
 }  // namespace
+
+bool is_shared_by_bars(std::string_view key) {
+  return key == "time.end" || key == "mesh.elements" || key == "mesh.grading" || key == "output.every";
+}
 
 EnsembleResult ensemble(const EnsembleStudy& study) { return EnsembleRun(study)(); }
 

@@ -69,6 +69,10 @@ struct EnsembleStudy {
   /// are the displacements of ends and joints, and the contact times and impulses that are asked for. The error of the
   /// mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
   std::optional<double> error;
+  /// Values of a bar that tells what all have in common: which way they go may depend on it. Empty: the first bar that
+  /// can be run.
+  std::vector<double> common;
+  std::size_t most_messages = 100;                                  ///< that say why bars failed
   bool lanes = true;                                                ///< false: each bar by a run of its own
   std::size_t threads = 0;                                          ///< 0: one a core
   std::function<void(std::size_t done, std::size_t all)> progress;  ///< told now and then, by one thread at a time
@@ -86,13 +90,16 @@ struct EnsembleResult {
   std::vector<BarWay> ways;        ///< N
   std::vector<double> error;       ///< N: the estimate, as EnsembleStudy::error; NaN without one
   std::vector<std::size_t> steps;  ///< N: of the run that is told
-  /// Why bars failed or are faulty, of the first hundred.
+  /// Why bars failed or are faulty, of the first of them.
   std::vector<std::pair<std::size_t, std::string>> messages;
 };
 
 /// Runs the bars: in lanes by (2.8) where the scene and the error allow it, else each by a run of its own.
 /// @throws std::invalid_argument for a study that makes no sense
 EnsembleResult ensemble(const EnsembleStudy& study);
+
+/// True for keys that all bars share, for their outputs have the same shape.
+bool is_shared_by_bars(std::string_view key);
 
 /// The output that a text means, in a run of that case. @throws std::invalid_argument
 EnsembleOutput ensemble_output(std::string_view text, const Case& run);

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viscobar/sweep/sweep.hpp"
+
+namespace viscobar {
+
+/// Cases of [ensemble] that a worker takes at a time: what takes about a fifth of a second.
+inline constexpr std::size_t most_bars_at_once = 512;
+/// Columns of numbers that a row of bars may have: HDF5 describes all of them in one header of 64 KiB.
+inline constexpr std::size_t most_bar_columns = 200;
+
+/// Sets the columns, the common values and the batch of a sweep with outputs. What is wrong: the key, empty for the
+/// scene, and a message.
+std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep);
+
+/// A message that fits into a row.
+std::string fitting(std::string text);
+
+/// Rows of cases as an ensemble tells them, to the bit those of any other batch; fewer where `interrupted` says yes.
+std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const SweepCase> cases,
+                               const std::function<bool()>& interrupted);
+
+}  // namespace viscobar
