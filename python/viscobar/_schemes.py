@@ -64,12 +64,13 @@ def recorded(case: _core.Case, label: str, scheme: Scheme) -> _core.Kept:
             for at, where, change, velocity in out[2]
         ]
     else:
-        events = sorted(
+        events = [
             change
             for side, node in (("left", 0), ("right", -1))
             if getattr(case, side) == "obstacle"
             for change in changes(t, v[:, node], reactions[side], impulses[side], side == "left")
-        )
+        ]
+        events.sort(key=lambda change: change[0])  # a contact of one step closes and opens at once
     return _core.recorded(case, label, t, u, v, reactions["left"], reactions["right"], events)
 
 

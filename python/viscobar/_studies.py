@@ -168,7 +168,8 @@ def _contact_shifts(summary: Mapping[str, Any]) -> list[dict[str, Any]]:
             row = {"where": contact["where"], "method": pair["other"]}
             for key in ("begin", "end", "impulse"):
                 row[key] = other[key]
-                row[f"{key}_shift"] = other[key] - first[key]
+                known = other[key] is not None and first[key] is not None
+                row[f"{key}_shift"] = other[key] - first[key] if known else None
             rows.append(row)
     return rows
 

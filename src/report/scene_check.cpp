@@ -192,20 +192,28 @@ double gap_of(const Scene& scene, Where where) {
   return std::get<Obstacle>(where == Where::left ? scene.left : scene.right).gap;
 }
 
-/// An obstacle on the inner side of an end, which the bar leaves and does not come back to: in most such scenes a wall
-/// on its outer side was meant.
-std::optional<std::string> inner_obstacle(const Scene& scene, const SceneEnd& end,
-                                          const std::vector<FirstImpact>& impacts) {
-  const auto* obstacle = std::get_if<Obstacle>(&end.condition);
-  const bool right = end.x > 0.0, above = obstacle && obstacle->side == Side::above;
-  const auto where = right ? Where::right : Where::left;
-  if (!obstacle || above == right || std::ranges::count(impacts, where, &FirstImpact::where) > 0) return std::nullopt;
-  return fmt::format(
-      "the {0} obstacle bounds u {1} ({2} {3}), and the bar does not come to it: a bar that moves to the {0} goes "
-      "on; for a wall on the {0} of the bar write side = \"{4}\" in [{0}]",
-      end.name, above ? "from above" : "from below",
-      above ? "u <=" : "u >=", terminal(scene)(above ? obstacle->gap : -obstacle->gap, Dimension::length, 6),
-      above ? "below" : "above");
+/// Obstacles that the bar does not come to, on the inner side of an end or on one side of a span: in most such scenes
+/// one on the other side was meant.
+std::vector<std::string> obstacles_that_stop_nothing(const Scene& scene, const std::vector<FirstImpact>& impacts) {
+  std::vector<std::string> found;
+  const auto tell = [&](Where where, const Obstacle& obstacle, const std::string& goes_on, std::string_view wanted) {
+    if (std::ranges::count(impacts, where, &FirstImpact::where) > 0) return;
+    const bool above = obstacle.side == Side::above;
+    found.push_back(fmt::format(
+        "the {} obstacle bounds u {} ({} {}), and the bar does not come to it{}; for {} write side = \"{}\" in [{}]",
+        name(where), above ? "from above" : "from below",
+        above ? "u <=" : "u >=", terminal(scene)(above ? obstacle.gap : -obstacle.gap, Dimension::length, 6), goes_on,
+        wanted, above ? "below" : "above", name(where)));
+  };
+  for (const SceneEnd& end : ends_of(scene)) {
+    const auto* obstacle = std::get_if<Obstacle>(&end.condition);
+    const bool right = end.x > 0.0;
+    if (obstacle && (obstacle->side == Side::above) != right)
+      tell(right ? Where::right : Where::left, *obstacle, fmt::format(": a bar that moves to the {} goes on", end.name),
+           fmt::format("a wall on the {} of the bar", end.name));
+  }
+  if (scene.span && scene.span->side != Side::both) tell(Where::span, *scene.span, "", "one on its other side");
+  return found;
 }
 
 std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system,
@@ -214,9 +222,7 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
   const Case& run = setup.run;
   const NumberText number = terminal(run.scene);
   std::vector<std::string> found;
-  if (foreseen)
-    for (const SceneEnd& end : ends_of(run.scene))
-      if (const auto inner = inner_obstacle(run.scene, end, foreseen->impacts)) found.push_back(*inner);
+  if (foreseen) found = obstacles_that_stop_nothing(run.scene, foreseen->impacts);
   if (!run.warning.empty()) found.push_back(run.warning);
   if (const auto strains = strain_remark(setup, system)) found.push_back(*strains);
   if (const auto jumps = jump_remark(setup, system)) found.push_back(*jumps);

@@ -52,6 +52,10 @@ TEST_F(Check, SaysThatAnObstacleOnTheInnerSideDoesNotStopTheBar) {
   const std::string left = " --set left.kind=obstacle --set left.gap=0.1 --set left.side=above ";
   const std::string mirrored = of(scene("rigid-flight") + left + "--set initial.velocity=-1")["warnings"].dump();
   EXPECT_NE(mirrored.find("a bar that moves to the left goes on"), std::string::npos) << mirrored;
+  const std::string span = " --set span.gap=0.1 --set mesh.mass=lumped --set initial.velocity=";
+  EXPECT_NE(warnings(span + "1").find("side = \\\"above\\\" in [span]"), std::string::npos) << warnings(span + "1");
+  EXPECT_EQ(warnings(span + "-1"), "[]");
+  EXPECT_EQ(warnings(span + "1 --set span.side=above"), "[]");
 }
 
 TEST_F(Check, CallsAConstraintExactWhereNothingGetsTooDeep) {

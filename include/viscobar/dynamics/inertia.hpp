@@ -17,7 +17,9 @@ namespace viscobar {
 class Inertia {
  public:
   /// @param whole rho M over all nodes, which is kept where an end is `moved`
+  /// @param unknowns nodes that move
   /// @param massless ends that have no mass
+  /// @param moved true where something moves an end
   Inertia(const BandedMatrix& whole, const Unknowns& unknowns, std::array<bool, 2> massless, bool moved);
 
   const BandedMatrix& matrix() const { return matrix_; }  ///< over the unknowns

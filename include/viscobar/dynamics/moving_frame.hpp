@@ -47,6 +47,10 @@ struct FrameJump {
 /// gap is constant.
 class MovingFrame {
  public:
+  /// @param scene with what moves its ends
+  /// @param unknowns nodes that move
+  /// @param elements their stiffness
+  /// @param inertia their mass
   /// @param side resistance along the bar; null: none
   MovingFrame(const Scene& scene, const Unknowns& unknowns, std::shared_ptr<const Elements> elements,
               std::shared_ptr<const Inertia> inertia, const SideRows* side);

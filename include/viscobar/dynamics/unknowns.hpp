@@ -12,6 +12,7 @@ namespace viscobar {
 /// The nodes of a mesh that are unknowns: all J + 1 but those of fixed ends. A field over the unknowns has n entries.
 class Unknowns {
  public:
+  /// @param nodes of the mesh, J + 1
   /// @param walls displacement of each end that is fixed
   /// @throws std::invalid_argument where no node is left
   Unknowns(std::size_t nodes, const std::array<std::optional<double>, 2>& walls);
