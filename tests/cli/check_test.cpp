@@ -54,8 +54,8 @@ TEST_F(Check, SaysThatAnObstacleOnTheInnerSideDoesNotStopTheBar) {
   EXPECT_NE(mirrored.find("a bar that moves to the left goes on"), std::string::npos) << mirrored;
   const std::string span = " --set span.gap=0.1 --set mesh.mass=lumped --set initial.velocity=";
   EXPECT_NE(warnings(span + "1").find("side = \\\"above\\\" in [span]"), std::string::npos) << warnings(span + "1");
-  EXPECT_EQ(warnings(span + "-1"), "[]");
-  EXPECT_EQ(warnings(span + "1 --set span.side=above"), "[]");
+  for (const char* met : {"-1", "1 --set span.side=above"})
+    EXPECT_EQ(warnings(span + met).find("does not come to it"), std::string::npos) << met;
 }
 
 TEST_F(Check, CallsAConstraintExactWhereNothingGetsTooDeep) {
