@@ -110,7 +110,8 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const std::span<const double> values = std::span(samples_[i]).first(order + 1);
     if (const double share = contacts_[i].penetration_share(); contacts_.closed(i) && share > 0.0)
       max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
-    const auto [lowest, highest] = std::ranges::minmax(values);
+    double lowest = values[0], highest = lowest;
+    for (const double value : values) lowest = std::min(lowest, value), highest = std::max(highest, value);
     if (contacts_[i].collides && !contacts_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
@@ -433,7 +434,8 @@ void EventSearch::orient(std::size_t i, double begin, double end, const Indicato
                          PointValues& out) const {
   const std::size_t first = first_[i], count = first_[i + 1] - first, order = stepper_.order();
   PointValues sum;
-  const auto add = [&sum](double weight, const PointValues& entry) {
+  // Not inlined: gcc would make vectors of the few entries instead of the points.
+  const auto add = [&sum](double weight, const PointValues& entry) __attribute__((noinline)) {
     for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weight * entry[j];
   };
   if (weights.alone) {
