@@ -60,6 +60,7 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
     bounded_ &= (weights_[i].alone || of_joint) && weights_[i].offset;
     for (std::size_t k = first_[i], behind = end_of_needed(i); k < behind; ++k) positions.push_back(k);
   }
+  find_rated();
 }
 
 void EventSearch::share(std::size_t sampled) {
@@ -76,13 +77,7 @@ void EventSearch::share(std::size_t sampled) {
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   quiet_ = !selects() && proved_quiet(ends);
   if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
-  rated_.clear();
-  for (const std::size_t i : looked_at_)
-    for (std::size_t k = first_[i] + 2; contacts_.holds_mass(i) && k < first_[i + 1]; ++k) rated_.push_back(k);
-  with_rates_ = !rated_.empty();
   const std::size_t order = stepper_.order();
-  const bool looking = ends && !selects() && !ends->idle();
-  if (looking) ends->select_rates(rated_);
   const std::span<const PointValues> points = stepper_.samples(begin, end, 0, near_);
   std::span<const PointValues> rates;
   if (!rated_.empty()) rates = stepper_.samples(begin, end, 1, rated_);
@@ -90,7 +85,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     orient(i, begin, end, weights_[i], points, rates, samples_[i]);
     if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
   }
-  if (looking) ends->look_at(begin, end, order, points, rates);
+  if (ends && !selects() && !ends->idle()) ends->look_at(begin, end, order, points, rates);
   double first = 2.0;
   bool later = false, narrowed = false;
   // Where a contact changes is looked for by its own entries.
@@ -172,7 +167,6 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
-  with_rates_ = false;
   for (const std::size_t i : moving_) {
     const Contact& contact = contacts_[i];
     const auto clearance = [&](double t) {
@@ -383,7 +377,15 @@ bool EventSearch::look_at_the_near() {
   if (looked_at_.empty()) return false;
   for (const std::size_t i : looked_at_) look_up(i);
   select_entries(looked_at_);
+  find_rated();
   return true;
+}
+
+void EventSearch::find_rated() {
+  rated_.clear();
+  for (const std::size_t i : looked_at_)
+    for (std::size_t k = first_[i] + 2; contacts_.holds_mass(i) && k < first_[i + 1]; ++k) rated_.push_back(k);
+  with_rates_ = !rated_.empty();
 }
 
 void EventSearch::look_up(std::size_t i) {
