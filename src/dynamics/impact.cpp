@@ -56,8 +56,7 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
   const std::vector<double> answer =
       answer_of(system, i, came == 0.0 ? 1.0 : std::max(least_pull, negligible.velocity / std::abs(came)), released);
   std::vector<double> acceleration(bar.size());
-  const double mass = sign / contacts[i].of(answer), speed = -sign * came,
-               kinetic = 0.5 * bar.inertia().matrix().quadratic_form(w);
+  const double mass = sign / contacts[i].of(answer), speed = -sign * came;
   const auto leave_with = [&](double velocity) {
     const double impulse = mass * (velocity - contacts[i].of(w));
     for (std::size_t j = 0; j < bar.size(); ++j) w[j] += sign * impulse * answer[j];
@@ -79,12 +78,7 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
     if (!rests) leave_with(sign * rebound);
   }
   const double left = contacts[i].of(w), dissipated = 0.5 * mass * (speed - left) * (speed + left);
-  return {rests,
-          dissipated,
-          kinetic - 0.5 * bar.inertia().matrix().quadratic_form(w) - dissipated,
-          mass * (left + sign * speed),
-          height,
-          std::move(released)};
+  return {rests, dissipated, mass * (left + sign * speed), height, std::move(released)};
 }
 
 void tie_joints(const Contacts& contacts, std::span<double> w) {

@@ -12,7 +12,6 @@ namespace viscobar {
 struct Collision {
   bool rests;                         ///< the contact stays closed
   double dissipated;                  ///< of the energy
-  double end_inertia;                 ///< energy that the end rows of the mass took
   double impulse;                     ///< P, on the bar
   double height;                      ///< H of a rebound onto which the bar is pressed, else 0
   std::vector<std::size_t> released;  ///< closed contacts that the impact would have pulled, open now

@@ -96,11 +96,15 @@ void ContactChanges::open(std::size_t i, double told, const Opening& opening) {
 // The velocity that the pull of a contact has taken from the bar before it opened, and the heat that made of it.
 void ContactChanges::give_back(double velocity) {
   if (velocity == 0.0) return;
-  const auto kinetic = [&] { return 0.5 * on_.system.bar().inertia().matrix().quadratic_form(w()); };
-  const double before = kinetic();
+  const double before = kinetic_energy(w());
   for (std::size_t i = 0; i < on_.layout.nodes; ++i)
     if (!contacts_.held(i)) w()[i] += velocity;
-  on_.books.dissipate(-(kinetic() - before));
+  on_.books.dissipate(-(kinetic_energy(w()) - before));
+}
+
+// 0 where nobody keeps the account.
+double ContactChanges::kinetic_energy(std::span<const double> w) const {
+  return on_.layout.account() > 0 ? 0.5 * on_.system.bar().inertia().matrix().quadratic_form(w) : 0.0;
 }
 
 // Its node is at the obstacle, or there to rounding. Bounces lower than what a step may be wrong by are not resolved.
@@ -124,7 +128,7 @@ void ContactChanges::strike(double t, std::size_t i, std::optional<double> closi
               {weights.negligible_bounce(i), weights.negligible_reaction(h), weights.promised_velocity()});
   weights.bounce(i, collision.height);
   on_.books.dissipate(collision.dissipated);
-  on_.books.lose_in_end_rows(collision.end_inertia);
+  on_.books.lose_in_end_rows(kinetic_energy(change) - kinetic_energy(w()) - collision.dissipated);
   const double leaves = contacts_[i].of(w());
   const bool felt = closing && std::abs(*closing) > weights.promised_velocity();
   const bool counts = collision.rests || leaves != 0.0 || !closing || (felt && is_of_scene(t, i, *closing));

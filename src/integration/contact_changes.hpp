@@ -69,6 +69,7 @@ class ContactChanges {
   void strike(double t, std::size_t i, std::optional<double> closing);
   bool is_of_scene(double t, std::size_t i, double closing) const;
   void give_back(double velocity);
+  double kinetic_energy(std::span<const double> w) const;
   void distrust_toggling();
   double frame_velocity(double t, std::size_t i) const;
   bool goes_on(double t, std::size_t i) const;

@@ -14,7 +14,7 @@ namespace viscobar {
 
 // Private functions that a step calls for each sample are inline.
 
-ContactWatch::ContactWatch(const PenalisedSystem& system, RunAccount& account, bool extremes, bool apart)
+ContactWatch::ContactWatch(const PenalisedSystem& system, RunAccount& account, AccountExtremes extremes, bool apart)
     : contacts_(system.contacts()),
       load_(system.load()),
       bar_(system.bar()),
@@ -85,19 +85,19 @@ void ContactWatch::begin(double t, std::span<const double> u, std::span<const do
     end.stored = stored(end, values);
     end.shut = closed(end);
   }
-  idle_ = !extremes_ && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, &End::shut);
+  idle_ = !extremes_.ranges && !span_.closed() && !joints_.closed() && std::ranges::none_of(ends_, &End::shut);
 }
 
 bool ContactWatch::within(std::span<const double> lowest, std::span<const double> highest,
                           std::span<const double> last) const {
-  if (!extremes_) return true;
   const std::size_t* position = positions_.data();
   for (const End& end : ends_) {
     const EndAccount& account = *end.account;
     const double low = lowest[*position], high = highest[*position], now = last[*position];
-    const bool inside =
-        (low == now || low + end.origin >= account.lowest) && (high == now || high + end.origin <= account.highest) &&
-        (!end.shut || largest_reaction(end, position, lowest, highest) <= std::abs(account.latest.reaction));
+    const bool inside = (!extremes_.ranges || ((low == now || low + end.origin >= account.lowest) &&
+                                               (high == now || high + end.origin <= account.highest))) &&
+                        (!extremes_.peaks || !end.shut ||
+                         largest_reaction(end, position, lowest, highest) <= std::abs(account.latest.reaction));
     if (!inside) return false;
     position += end.entries.size();
   }
@@ -132,7 +132,7 @@ void ContactWatch::pass(double to, std::span<const double> last) {
   for (End& end : ends_) {
     EndAccount& account = *end.account;
     account.displacement = last[*position] + end.origin;
-    if (extremes_) {
+    if (extremes_.ranges) {
       account.lowest = std::min(account.lowest, account.displacement);
       account.highest = std::max(account.highest, account.displacement);
     }
@@ -150,14 +150,14 @@ bool ContactWatch::concerned(double to, double fastest) const {
   return bar_.frame().moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
-           return (extremes_ && fastest * (to - seen_) >= room) || closed(end);
+           return (extremes_.ranges && fastest * (to - seen_) >= room) || closed(end);
          });
 }
 
 void ContactWatch::select_rates(std::vector<std::size_t>& positions) const {
   const std::size_t* first = positions_.data();
   for (const End& end : ends_) {
-    for (std::size_t k = 3; extremes_ && holds_mass(end) && k < std::min<std::size_t>(5, end.entries.size()); ++k)
+    for (std::size_t k = 3; extremes_.peaks && holds_mass(end) && k < std::min<std::size_t>(5, end.entries.size()); ++k)
       if (std::ranges::find(positions, first[k]) == positions.end()) positions.push_back(first[k]);
     first += end.entries.size();
   }
@@ -169,8 +169,8 @@ void ContactWatch::look_at(double from, double to, std::size_t order, std::span<
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
     end.shut = closed(end);
-    if (end.shut || extremes_) look_at(end, position, from, y);
-    if (end.shut && extremes_ && holds_mass(end)) add_inertia(end, position, rates);
+    if (end.shut || extremes_.ranges) look_at(end, position, from, y);
+    if (end.shut && extremes_.peaks && holds_mass(end)) add_inertia(end, position, rates);
     position += end.entries.size();
   }
   span_.look_at(order, y);
@@ -208,16 +208,17 @@ void ContactWatch::strike(std::size_t i, double impulse, std::span<const double>
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(seen_, length_, order_);
-  joints_.add(seen_, length_, order_, extremes_);
+  joints_.add(seen_, length_, order_, extremes_.peaks);
   for (End& end : ends_) {
-    if (extremes_) add_extremes(end);
+    if (extremes_.ranges) add_range(end);
+    if (end.shut && extremes_.peaks) raise_peak(*end.account, used(end.force), seen_, length_);
     if (!end.shut || (apart_ && springs_)) continue;
     end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     end.stored = end.stored_now;
   }
 }
 
-void ContactWatch::add_extremes(End& end) {
+void ContactWatch::add_range(End& end) {
   EndAccount& account = *end.account;
   account.displacement = end.u[order_];
   const auto [most, least] = beyond(end.u);
@@ -226,7 +227,6 @@ void ContactWatch::add_extremes(End& end) {
     account.highest = u.largest(account.highest);
     account.lowest = u.smallest(account.lowest);
   }
-  if (end.shut) raise_peak(account, used(end.force), seen_, length_);
 }
 
 void ContactWatch::watch(EndAccount& account, bool right) {
@@ -341,9 +341,9 @@ inline void ContactWatch::look_at(End& end, const std::size_t* first, double fro
                                   std::span<const PointValues> y) const {
   const std::size_t entries = needed(end);
   const bool rates = end.shut && !(apart_ && springs_) && !add_alike_rates(end, first, y);
-  const bool forces = end.shut && extremes_ && !take_holding_force(end, first, from, y);
-  const bool moves = extremes_ && (end.follows || end.entries.empty() || bar_.frame().moving());
-  for (std::size_t j = 0; extremes_ && !moves && j < end.u.size(); ++j) end.u[j] = y[first[0]][j] + end.origin;
+  const bool forces = end.shut && extremes_.peaks && !take_holding_force(end, first, from, y);
+  const bool moves = extremes_.ranges && (end.follows || end.entries.empty() || bar_.frame().moving());
+  for (std::size_t j = 0; extremes_.ranges && !moves && j < end.u.size(); ++j) end.u[j] = y[first[0]][j] + end.origin;
   for (std::size_t j = moves || rates || forces ? 0 : order_; j <= order_; ++j) {
     const double t = point_of(from, seen_, order_, j);
     std::array<double, 6> values{};

@@ -34,9 +34,9 @@ inline constexpr auto no_rates = [](std::size_t, double) { return std::span<cons
 /// Indicators).
 class ContactWatch {
  public:
-  /// Both outlive it. Without `extremes` ranges and peaks stay as they are. With `apart` the impulses of springs() are
-  /// left to integrate().
-  ContactWatch(const PenalisedSystem& system, RunAccount& account, bool extremes, bool apart = false);
+  /// Both outlive it. Extremes that nobody reads stay as they are. With `apart` the impulses of springs() are left to
+  /// integrate().
+  ContactWatch(const PenalisedSystem& system, RunAccount& account, AccountExtremes extremes = {}, bool apart = false);
 
   /// Appends the entries of (u, w) that it samples and that are not there yet.
   void ask_for(std::vector<std::size_t>& entries);
@@ -109,7 +109,7 @@ class ContactWatch {
   }
 
   /// True if the samples are those of polynomials, to about 1e-10: the last difference is far below the values. With
-  /// `extremes`.
+  /// all extremes.
   bool resolved() const;
 
   /// The state is (u, w) in another frame now: no force has done it.
@@ -156,7 +156,7 @@ class ContactWatch {
   void watch(EndAccount& account, bool right);
   // Values of its entries.
   static std::array<double, 6> values_of(const End& end, std::span<const double> u, std::span<const double> w);
-  void add_extremes(End& end);
+  void add_range(End& end);
   // Added to displacements in the frame it gives those of the bar, where that jumps on the side of the leg.
   double lift(const End& end, double t) const { return bar_.frame().moving() ? load_.lift(t, 0).of(end.right) : 0.0; }
   bool closed(const End& end) const;
@@ -205,7 +205,8 @@ class ContactWatch {
   const Contacts& contacts_;
   const ActingLoad& load_;
   const BarSystem& bar_;
-  bool extremes_, apart_, springs_ = false, idle_ = false;
+  AccountExtremes extremes_;
+  bool apart_, springs_ = false, idle_ = false;
   std::vector<End> ends_;
   SpanForce span_;
   JointForces joints_;

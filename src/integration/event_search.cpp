@@ -60,6 +60,7 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
     bounded_ &= (weights_[i].alone || of_joint) && weights_[i].offset;
     for (std::size_t k = first_[i], behind = end_of_needed(i); k < behind; ++k) positions.push_back(k);
   }
+  find_rated();
 }
 
 void EventSearch::share(std::size_t sampled) {
@@ -76,13 +77,7 @@ void EventSearch::share(std::size_t sampled) {
 std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
   quiet_ = !selects() && proved_quiet(ends);
   if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
-  rated_.clear();
-  for (const std::size_t i : looked_at_)
-    for (std::size_t k = first_[i] + 2; contacts_.holds_mass(i) && k < first_[i + 1]; ++k) rated_.push_back(k);
-  with_rates_ = !rated_.empty();
   const std::size_t order = stepper_.order();
-  const bool looking = ends && !selects() && !ends->idle();
-  if (looking) ends->select_rates(rated_);
   const std::span<const PointValues> points = stepper_.samples(begin, end, 0, near_);
   std::span<const PointValues> rates;
   if (!rated_.empty()) rates = stepper_.samples(begin, end, 1, rated_);
@@ -90,7 +85,7 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     orient(i, begin, end, weights_[i], points, rates, samples_[i]);
     if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
   }
-  if (looking) ends->look_at(begin, end, order, points, rates);
+  if (ends && !selects() && !ends->idle()) ends->look_at(begin, end, order, points, rates);
   double first = 2.0;
   bool later = false, narrowed = false;
   // Where a contact changes is looked for by its own entries.
@@ -110,7 +105,8 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const std::span<const double> values = std::span(samples_[i]).first(order + 1);
     if (const double share = contacts_[i].penetration_share(); contacts_.closed(i) && share > 0.0)
       max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
-    const auto [lowest, highest] = std::ranges::minmax(values);
+    double lowest = values[0], highest = lowest;
+    for (const double value : values) lowest = std::min(lowest, value), highest = std::max(highest, value);
     if (contacts_[i].collides && !contacts_.closed(i)) stepper_.weights().widen(i, highest);
     const double speed = end > begin ? (highest - lowest) / (end - begin) : 0.0;
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
@@ -171,7 +167,6 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
-  with_rates_ = false;
   for (const std::size_t i : moving_) {
     const Contact& contact = contacts_[i];
     const auto clearance = [&](double t) {
@@ -382,7 +377,15 @@ bool EventSearch::look_at_the_near() {
   if (looked_at_.empty()) return false;
   for (const std::size_t i : looked_at_) look_up(i);
   select_entries(looked_at_);
+  find_rated();
   return true;
+}
+
+void EventSearch::find_rated() {
+  rated_.clear();
+  for (const std::size_t i : looked_at_)
+    for (std::size_t k = first_[i] + 2; contacts_.holds_mass(i) && k < first_[i + 1]; ++k) rated_.push_back(k);
+  with_rates_ = !rated_.empty();
 }
 
 void EventSearch::look_up(std::size_t i) {
@@ -433,7 +436,8 @@ void EventSearch::orient(std::size_t i, double begin, double end, const Indicato
                          PointValues& out) const {
   const std::size_t first = first_[i], count = first_[i + 1] - first, order = stepper_.order();
   PointValues sum;
-  const auto add = [&sum](double weight, const PointValues& entry) {
+  // Not inlined: gcc would make vectors of the few entries instead of the points.
+  const auto add = [&sum](double weight, const PointValues& entry) __attribute__((noinline)) {
     for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += weight * entry[j];
   };
   if (weights.alone) {

@@ -46,8 +46,12 @@ class EventSearch {
   const std::vector<std::size_t>& sampled_entries() const { return entries_; }
   /// Appends the positions of those that it needs as long as the contacts are as they are.
   void select(std::vector<std::size_t>& positions);
-  /// The stepper samples these as long as they are, unless the search selects. They outlive it.
-  void selected(std::span<const std::size_t> positions) { selected_ = positions; }
+  /// The stepper samples these as long as they are, unless the search selects, and `ends` looks at the samples, too.
+  /// They outlive it.
+  void selected(std::span<const std::size_t> positions, const std::optional<ContactWatch>& ends) {
+    selected_ = positions;
+    if (ends && !selects() && !ends->idle()) ends->select_rates(rated_);
+  }
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
   /// True if the search selects what the stepper samples.
@@ -99,6 +103,7 @@ class EventSearch {
 
   bool proved_quiet(const std::optional<ContactWatch>& ends);
   bool look_at_the_near();
+  void find_rated();
   bool lets_go(std::size_t i) const { return lets_go_ && pushes_[i]; }
   void look_up(std::size_t i);  // its weights, as the contacts are
   // Behind the entries of contact i that are needed.
@@ -180,7 +185,7 @@ class EventSearch {
   std::vector<double> state_, acceleration_;  // where p descends
   std::vector<Pull> pulls_;
   std::array<double, Bernstein::max_degree + 1> against_{};
-  bool with_rates_ = false;  // an indicator asks for them in this step
+  bool with_rates_ = false;  // an indicator asks for them
   bool bounded_ = false;     // the indicators are those of bounded entries, as long as no contact changes
   bool quiet_ = false;
   bool lets_go_ = false;  // a stop may

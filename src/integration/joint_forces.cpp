@@ -89,14 +89,14 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
   }
 }
 
-void JointForces::add(double to, double length, std::size_t order, bool extremes) {
+void JointForces::add(double to, double length, std::size_t order, bool peaks) {
   for (Joint& joint : joints_) {
     if (!contacts_.closed(joint.contact)) continue;
     const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
     const double impulse =
         joint.direction * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
     std::visit([&](auto* account) { account->impulse += impulse; }, joint.account);
-    if (!extremes) continue;
+    if (!peaks) continue;
     const Bernstein inertia = Bernstein::through(used(joint.momentum)).derivative();
     for (std::size_t j = 0; j <= order; ++j)
       joint.rate[j] =

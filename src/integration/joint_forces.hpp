@@ -38,7 +38,7 @@ class JointForces {
   void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
   void strike(std::size_t contact, double impulse, std::span<const double> change);
   /// Adds a step of that length, which ends at `to`.
-  void add(double to, double length, std::size_t order, bool extremes);
+  void add(double to, double length, std::size_t order, bool peaks);
 
  private:
   struct Joint {

@@ -285,7 +285,7 @@ void StepwisePart::select(bool for_search) {
   std::ranges::sort(selected_);
   selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
   stepper_.select(selected_);
-  search_.selected(selected_);
+  search_.selected(selected_, ends_);
 }
 
 void StepwisePart::tell_snapshot(double t) {

@@ -1,6 +1,7 @@
 // Prints the tables of docs/ensembles.md. Run:
-// build/release/tests/measure_ensemble [speed [J T] | memory BARS | errors SCENES SEED [KIND]]
-// KIND: mass, restitution, events or touching
+// build/release/tests/measure_ensemble [speed [J T] | memory BARS | errors SCENES SEED [KIND] | bars COUNT OUTPUT]
+// KIND: mass, restitution, events or touching. OUTPUT: events:8, final, impulse_left, peak_left, ...; the instructions
+// of a bar are counted by job_instructions.py --bars.
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 #include <fmt/format.h>
@@ -159,6 +160,15 @@ void memory(std::size_t bars) {
              passed.count(), static_cast<double>(bars) / seconds, static_cast<double>(use.ru_maxrss) / 1e6);
 }
 
+// Bars by `rigid`, one after the other, once each: the difference of two counts of bars is what the bars between take.
+void by_rigid(std::size_t bars, const std::string& output) {
+  const TextEnsemble made = by_method(thrown_bars(24, 6.0, bars), "name=\"rigid\"\nrelative_tolerance=1e-3\n");
+  EnsembleStudy study = made.study();
+  study.outputs = {output};
+  study.threads = 1;
+  ensemble(study);
+}
+
 // Estimates beside the errors of the same system by rigid at 1e-10: of all scenes, or of a kind of them.
 void errors(std::size_t scenes, unsigned seed, const std::string& kind) {
   std::mt19937_64 random(seed);
@@ -234,6 +244,7 @@ int main(int argc, char** argv) {
   };
   if (what == "speed") speed(number(2, 0), static_cast<double>(number(3, 6)));
   if (what == "memory") memory(number(2, 1'000'000));
+  if (what == "bars") by_rigid(number(2, 64), argc > 3 ? argv[3] : "events:8");
   if (what == "errors") errors(number(2, 100), static_cast<unsigned>(number(3, 1)), argc > 4 ? argv[4] : "");
   return EXIT_SUCCESS;
 }

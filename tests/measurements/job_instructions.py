@@ -1,7 +1,8 @@
-"""Instructions of six kinds of job, whole processes, or processor times.
+"""Instructions of six kinds of job, whole processes, or processor times; of a bar of an ensemble by `rigid`.
 
 python3 tests/measurements/job_instructions.py PROGRAM [PROGRAM BEFORE]
 python3 tests/measurements/job_instructions.py --times PROGRAM OTHER
+python3 tests/measurements/job_instructions.py --bars MEASURE_ENSEMBLE [MEASURE_ENSEMBLE BEFORE]
 
 Times are taken in turn, fifteen of each; the ratio is the median of those of pairs. To count it needs valgrind, which knows AVX2 but not AVX-512: programs of -DVISCOBAR_LEVEL=x86-64-v3. Counts repeat to 1e-4. Both programs
 run the examples of this folder's clone.
@@ -80,6 +81,11 @@ def millions_of_instructions(program, scene, arguments):
     return int(re.search(r"Collected : (\d+)", told)[1]) / 1e6
 
 
+def millions_a_bar(program, scene, arguments):
+    few, many = (millions_of_instructions(program, scene, ["bars", str(count), *arguments]) for count in (64, 128))
+    return (many - few) / 64
+
+
 def milliseconds(program, scene, arguments):
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -90,18 +96,21 @@ def milliseconds(program, scene, arguments):
     return used() - before
 
 
-timed = sys.argv[1:2] == ["--times"]
-programs = [os.path.abspath(program) for program in sys.argv[2 if timed else 1:]]
-if not programs or timed and len(programs) != 2:
+mode = sys.argv[1] if sys.argv[1:2] in (["--times"], ["--bars"]) else None
+programs = [os.path.abspath(program) for program in sys.argv[2 if mode else 1:]]
+if not programs or mode == "--times" and len(programs) != 2:
     sys.exit(__doc__)
-print(f"| job | {'ms of the processor' if timed else 'millions of instructions'} |" + (" the other | ratio |" if len(programs) > 1 else ""))
+of, measure, digits = {
+    None: ("millions of instructions", millions_of_instructions, 1),
+    "--times": ("ms of the processor", milliseconds, 1),
+    "--bars": ("millions of instructions a bar", millions_a_bar, 3),
+}[mode]
+outputs = [(output, "", [output]) for output in ("events:8", "final", "impulse_left", "peak_left")]
+print(f"| job | {of} |" + (" the other | ratio |" if len(programs) > 1 else ""))
 print("|---|---|" + ("---|---|" if len(programs) > 1 else ""))
-for name, scene, arguments in jobs():
-    if timed:
-        pairs = [[milliseconds(program, scene, arguments) for program in programs] for _ in range(15)]
-    else:
-        pairs = [[millions_of_instructions(program, scene, arguments) for program in programs]]
-    cells = [f"{statistics.median(values):,.1f}" for values in zip(*pairs)]
+for name, scene, arguments in outputs if mode == "--bars" else jobs():
+    pairs = [[measure(program, scene, arguments) for program in programs] for _ in range(15 if mode == "--times" else 1)]
+    cells = [f"{statistics.median(values):,.{digits}f}" for values in zip(*pairs)]
     if len(programs) > 1:
         cells.append(f"{statistics.median(one / other for one, other in pairs):.2f}")
     print(f"| {name} | {' | '.join(cells)} |", flush=True)

@@ -247,6 +247,12 @@ struct Checkpoints {
   std::function<RunControl(const Checkpoint&)> take;  ///< gets each, before the run goes on
 };
 
+/// The extremes of the account of ends and contacts that anyone reads. A method need not look for the others.
+struct AccountExtremes {
+  bool ranges = true;  ///< of the displacements of the ends
+  bool peaks = true;   ///< of reactions
+};
+
 /// The receivers of a run's results. Every member may be empty; a run computes nothing for empty ones.
 struct Observers {
   std::function<void(const Snapshot&)> snapshot;    ///< at each output time, in order
@@ -254,9 +260,7 @@ struct Observers {
   std::function<RunControl(double time)> progress;  ///< after each step
   bool energy = false;                              ///< keep the energy account
   bool account = false;                             ///< keep the account of ends and contacts
-  /// True if anyone reads the extremes of that account, the ranges of the ends and the peaks of reactions. Else a
-  /// method need not look for them.
-  bool extremes = true;
+  AccountExtremes extremes{};                       ///< of that account
   /// True if anyone reads the reactions of snapshots. Else a method may leave them 0: that of a held node with mass
   /// takes a solve.
   bool reactions = true;

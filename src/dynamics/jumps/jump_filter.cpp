@@ -102,7 +102,7 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
   if (held_ == held) return;
   if (!held_) {
     stiffness_.emplace(bar_);
-    top_ = std::max(least_top, 1.02 * end_mode(stiffness));
+    top_ = stiffness > 0.0 ? std::max(least_top, 1.02 * end_mode(stiffness)) : least_top;
     static const std::vector<double> without_springs = chebyshev(least_top);
     coefficients_ = top_ == least_top ? without_springs : chebyshev(top_);
     for (std::vector<double>* one : {&first_, &second_, &next_, &start_, &force_, &rate_}) one->resize(n);

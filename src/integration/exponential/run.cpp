@@ -207,7 +207,7 @@ void Run::go_on(const Checkpoint& checkpoint) {
 }
 
 void Run::watch_ends() {
-  ends_.emplace(penalised_, *statistics_.account, true);
+  ends_.emplace(penalised_, *statistics_.account);
   ends_->ask_for(end_entries_);
   sampled_.resize(end_entries_.size());
 }

@@ -14,7 +14,7 @@ inline Complex reciprocal(const Complex& a) {
 }
 
 // 0 where rounding can explain them.
-void sum_rows(const BandedMatrix& matrix, const std::vector<std::size_t>& held, std::vector<double>& sums) {
+void sum_rows(const BandedMatrix& matrix, std::vector<double>& sums) {
   const std::size_t n = matrix.size();
   sums.resize(n);
   const double *const diagonal = matrix.diagonal.data(), *const off = matrix.off_diagonal.data();
@@ -26,7 +26,6 @@ void sum_rows(const BandedMatrix& matrix, const std::vector<std::size_t>& held, 
 #pragma GCC ivdep
   for (std::size_t i = 1; i < n - 1; ++i) out[i] = known(i, diagonal[i] + off[i - 1] + off[i]);
   out[n - 1] = known(n - 1, diagonal[n - 1] + off[n - 2]);
-  for (const std::size_t i : held) out[i] = 0.0;
 }
 
 inline Complex nothing() { return {Lanes{}, Lanes{}}; }
@@ -34,28 +33,43 @@ inline Complex nothing() { return {Lanes{}, Lanes{}}; }
 }  // namespace
 
 void ShiftedSystems::take(const PenalisedSystem& system) {
-  system.dynamic_stiffness(1.0, 0.0, 0.0, mass_);
-  system.dynamic_stiffness(0.0, 1.0, 0.0, damping_);
-  system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness_);
-  if (!system.bar().side()) stiffness_.one_sided.clear(), damping_.one_sided.clear();
-  held_.resize(system.size());
-  nodes_.resize(system.size());
-  right_.resize(system.size());
-  correction_.resize(system.size());
-  held_nodes_.clear();
-  flag_rows(system.bar());
-  for (std::size_t i = 0; i < held_.size(); ++i) {
-    held_[i] = std::isinf(mass_.diagonal[i]) ? 1 : 0;
-    if (!held_[i]) continue;
-    stiffness_.diagonal[i] = damping_.diagonal[i] = mass_.diagonal[i] = 0.0;
-    held_nodes_.push_back(i);
-    flags_[i] |= held;
+  if (nodes_.empty()) take(system.bar());
+  const Contacts& contacts = system.contacts();
+  for (const std::size_t i : in_contact_) set_flags(i, flags_[i] & ~(tied | held));
+  in_contact_.clear();
+  const auto add = [this](std::size_t i, Flag flag) {
+    set_flags(i, flags_[i] | flag);
+    in_contact_.push_back(i);
+  };
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (!contacts.closed(k)) continue;
+    const std::size_t node = contacts[k].unknown, before = contacts[k].joint > 0 ? node - 1 : node;
+    if (!contacts.held(node))
+      add(before < middle_ ? before : node, tied);
+    else
+      for (std::size_t i = before; i <= node; ++i) add(i, held);
   }
-  find_pairs();
-  take_ratios();
-  if (const SideRows* side = system.bar().side()) return sum_rows_beside(system.bar(), *side);
-  sum_rows(stiffness_, held_nodes_, bound_);
-  sum_rows(damping_, held_nodes_, dashed_);
+  const std::size_t n = nodes_.size();
+  for (unflagged_ = std::min(middle_, n - 1 - middle_); unflagged_ > 0; --unflagged_)
+    if (flags_[unflagged_ - 1] | flags_[n - unflagged_]) break;
+}
+
+void ShiftedSystems::take(const BarSystem& bar) {
+  bar.dynamic_stiffness(1.0, 0.0, 0.0, mass_);
+  bar.dynamic_stiffness(0.0, 1.0, 0.0, damping_);
+  bar.dynamic_stiffness(0.0, 0.0, 1.0, stiffness_);
+  if (!bar.side()) stiffness_.one_sided.clear(), damping_.one_sided.clear();
+  const std::size_t n = bar.size();
+  nodes_.resize(n);
+  in_contact_.reserve(bar.contacts().size());
+  flag_rows(bar);
+  find_alike();
+  damping_ratio_.resize(static_cast<Eigen::Index>(n));
+  stiffness_ratio_.resize(static_cast<Eigen::Index>(n));
+  for (std::size_t i = 0; i < n; ++i) set_flags(i, flags_[i]);
+  if (const SideRows* side = bar.side()) return sum_rows_beside(bar, *side);
+  sum_rows(stiffness_, bound_);
+  sum_rows(damping_, dashed_);
 }
 
 // The sums of the side's rows apart, which are as small beside E/h as those of the inertia.
@@ -65,13 +79,11 @@ void ShiftedSystems::sum_rows_beside(const BarSystem& bar, const SideRows& side)
     BandedMatrix bare = drag ? damping_ : stiffness_;
     side.add_to(bare, first, drag ? -1.0 : 0.0, drag ? 0.0 : -1.0);
     std::vector<double>& sums = drag ? dashed_ : bound_;
-    sum_rows(bare, held_nodes_, sums);
+    sum_rows(bare, sums);
     const auto coefficient = [&](std::size_t j) {
       return j < first || j - first >= n ? 0.0 : drag ? -side.drag(j) : -side.stiffness(j);
     };
     side.subtract(coefficient, first, n, sums);
-    for (std::size_t i = 0; i < n; ++i)
-      if (held_[i]) sums[i] = 0.0;
   }
 }
 
@@ -103,33 +115,25 @@ void ShiftedSystems::flag_rows(const BarSystem& bar) {
     const std::size_t inwards = right ? row.row - 1 : row.row + 1, outwards = right ? row.row + 1 : row.row - 1;
     flags_[ahead ? inwards : outwards] |= amended;
   }
-  for (const std::size_t tie : mass_.ties) flags_[tie < middle_ ? tie : tie + 1] |= tied;
 }
 
-void ShiftedSystems::find_pairs() {
+void ShiftedSystems::find_alike() {
   const std::size_t n = nodes_.size(), both = std::min(middle_, n - 1 - middle_);
-  for (unflagged_ = both; unflagged_ > 0; --unflagged_)
-    if (flags_[unflagged_ - 1] | flags_[n - unflagged_]) break;
   alike_ = both;
-  if (unflagged_ == both) return;
   const auto same = [like = both - 1](const BandedMatrix& of, std::size_t i, std::size_t off) {
     return (of.diagonal[i] == of.diagonal[like]) & (of.off_diagonal[off] == of.off_diagonal[like]);
   };
   const auto alike = [&](std::size_t i, std::size_t off) {
     return same(mass_, i, off) & same(damping_, i, off) & same(stiffness_, i, off);
   };
-  while (alike_ > unflagged_ && alike(alike_ - 1, alike_ - 1) && alike(n - alike_, n - 1 - alike_)) --alike_;
+  while (alike_ > 0 && alike(alike_ - 1, alike_ - 1) && alike(n - alike_, n - 1 - alike_)) --alike_;
 }
 
-void ShiftedSystems::take_ratios() {
-  const std::size_t n = nodes_.size();
-  damping_ratio_.resize(static_cast<Eigen::Index>(n));
-  stiffness_ratio_.resize(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const double inertia = mass_.diagonal[i];
-    damping_ratio_.data()[i] = inertia > 0.0 ? damping_.diagonal[i] / inertia : 0.0;
-    stiffness_ratio_.data()[i] = inertia > 0.0 ? stiffness_.diagonal[i] / inertia : 0.0;
-  }
+void ShiftedSystems::set_flags(std::size_t i, int flags) {
+  flags_[i] = static_cast<unsigned char>(flags);
+  const double inertia = flags & held ? 0.0 : mass_.diagonal[i];
+  damping_ratio_.data()[i] = inertia > 0.0 ? damping_.diagonal[i] / inertia : 0.0;
+  stiffness_ratio_.data()[i] = inertia > 0.0 ? stiffness_.diagonal[i] / inertia : 0.0;
 }
 
 void ShiftedSystems::factorise(double h) {
@@ -238,20 +242,21 @@ void ShiftedSystems::multiply_stiffness(std::span<const double> x, std::span<dou
   out[n - 1] = 0.0;
   for (std::size_t i = n - 1; i > 0; --i) out[i] = bound_[i] * x[i] + (out[i] - out[i - 1]);
   out[0] += bound_[0] * x[0];
-  for (const std::size_t i : held_nodes_) out[i] = 0.0;
+  for (const std::size_t i : in_contact_)
+    if (is_held(i)) out[i] = 0.0;
 }
 
 void ShiftedSystems::multiply_beside(std::span<const double> x, std::span<double> out) const {
   const std::size_t n = nodes_.size();
   for (std::size_t i = 0; i < n; ++i) {
     out[i] = 0.0;
-    if (held_[i]) continue;
+    if (is_held(i)) continue;
     out[i] = bound_[i] * x[i];
     if (i > 0) out[i] += stiffness_.below(i - 1) * (x[i - 1] - x[i]);
     if (i + 1 < n) out[i] += stiffness_.above(i) * (x[i + 1] - x[i]);
   }
   for (const OneSidedRow& row : stiffness_.one_sided)
-    for (std::size_t k = 1; k < 3 && !held_[row.row]; ++k)
+    for (std::size_t k = 1; k < 3 && !is_held(row.row); ++k)
       out[row.row] += row.entries[k] * (x[row.column(k)] - x[row.row]);
 }
 
@@ -317,7 +322,7 @@ void ShiftedSystems::substitute(const RightSide& right_side, std::span<Complex> 
 
 // Row i of right_side - D x.
 Complex ShiftedSystems::residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const {
-  if (held_[i]) return nothing();
+  if (is_held(i)) return nothing();
   const std::size_t n = nodes_.size();
   const Coefficients at = coefficients();
   const auto elastic = [&](double c, double k) -> Complex {
@@ -364,6 +369,8 @@ void ShiftedSystems::solve(std::span<const double> force, std::span<const double
     return;
   }
   const std::size_t n = nodes_.size();
+  right_.resize(n);
+  correction_.resize(n);
   for (std::size_t i = 0; i < n; ++i) right_[i] = loaded ? unloaded(i) + x[i] : unloaded(i);
   substitute([right = right_.data()](std::size_t i) { return right[i]; }, x);
   for (std::size_t i = 0; i < n; ++i) correction_[i] = residual(i, right_[i], x);

@@ -23,7 +23,7 @@ class ShiftedSystems {
   /// goes across. Absent: there is none.
   static std::optional<std::size_t> middle_of(const BandedMatrix& inertia);
 
-  /// Takes the matrices of the system with its contacts as they are.
+  /// Takes the matrices of the system, the same one in each call, with its contacts as they are.
   void take(const PenalisedSystem& system);
   /// Factorises the matrices for steps of length h.
   void factorise(double h);
@@ -80,13 +80,16 @@ class ShiftedSystems {
     return {formula.poles, {h_ * h_ * formula.inverse.re, h_ * h_ * formula.inverse.im}, h_};
   }
 
+  void take(const BarSystem& bar);
   void flag_rows(const BarSystem& bar);
-  void find_pairs();
-  void take_ratios();
+  void find_alike();
+  void set_flags(std::size_t i, int flags);  // and its ratios
+  bool is_held(std::size_t i) const { return flags_[i] & held; }
   void sum_rows_beside(const BarSystem& bar, const SideRows& side);
   void multiply_beside(std::span<const double> x, std::span<double> out) const;  // with a side that resists
-  [[gnu::noinline]] void amend(Front& front, std::size_t i, const Coefficients& at);
-  [[gnu::noinline]] Complex less_beyond(std::size_t i, Flag rows, Complex at, std::span<const Complex> x) const;
+  [[gnu::always_inline]] inline void amend(Front& front, std::size_t i, const Coefficients& at);
+  [[gnu::always_inline]] inline Complex less_beyond(std::size_t i, Flag rows, Complex at,
+                                                    std::span<const Complex> x) const;
   template <class RightSide>
   void substitute(const RightSide& right_side, std::span<Complex> of) const;
   Complex residual(std::size_t i, const Complex& right_side, std::span<const Complex> x) const;
@@ -97,14 +100,13 @@ class ShiftedSystems {
   double rounding_ = 0.0;
   Eigen::ArrayXd damping_ratio_, stiffness_ratio_;  // diagonals of C and K over that of M; 0 where a node is held
   std::vector<Complex> right_, correction_;
-  std::vector<unsigned char> held_;
-  std::vector<std::size_t> held_nodes_;
+  std::vector<std::size_t> in_contact_;  // the nodes that are tied or held
   std::vector<Node> nodes_;
   std::size_t middle_ = 0;
   std::vector<unsigned char> flags_;
   std::vector<RowBeside> rows_;
   // Both eliminations go through pairs of nodes, j and n - 1 - j. From one on none has a flag, and from another on all
-  // have the same entries.
+  // have the same entries, but for flags.
   std::size_t unflagged_ = 0, alike_ = 0;
   // One a one-sided row: U(r, r +- 2) over its pivot of one that goes ahead, L(r, r +- 2) of one that goes back.
   std::vector<Complex> beyond_;

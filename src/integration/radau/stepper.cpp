@@ -230,16 +230,18 @@ class Stepper final : public LegStepper {
 
   // The new state by the sums of all parts, of four nodes at once. The largest changes of w and u, and their errors.
   std::array<double, 4> move_nodes(double h) {
-    const Formula& formula = Formula::get();
-    const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
-    const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
-    std::array<std::array<Lanes, parts>, 4> weights;  // of w, u / h, their errors
-    for (std::size_t l = 0; l < parts; ++l) {
-      weights[0][l] = Lanes{} + w[l];
-      weights[1][l] = Lanes{} + h * u[l];
-      weights[2][l] = Lanes{} + of_w[l];
-      weights[3][l] = Lanes{} + h * of_u[l];
-    }
+    using Weights = std::array<Lanes, parts>;
+    static const std::array<Weights, 4> at_end = [] {  // of w, u / h, their errors
+      const Formula& formula = Formula::get();
+      const Parts w = formula.weights(1.0, 0), &of_w = formula.error();
+      const std::array<Parts, 4> of = {w, formula.weights_over_pole(w), of_w, formula.weights_over_pole(of_w)};
+      std::array<Weights, 4> weights;
+      for (std::size_t c = 0; c < of.size(); ++c)
+        for (std::size_t l = 0; l < parts; ++l) weights[c][l] = Lanes{} + of[c][l];
+      return weights;
+    }();
+    Weights of_way, of_way_error;
+    for (std::size_t l = 0; l < parts; ++l) of_way[l] = h * at_end[1][l], of_way_error[l] = h * at_end[3][l];
     const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
                       last = system_.bar().inertia().massive_end();
     const double *const begin_u = begin_y_.data(), *const begin_w = begin_u + n;
@@ -253,21 +255,21 @@ class Stepper final : public LegStepper {
     const auto move = [&](std::size_t i, bool massive) __attribute__((always_inline)) {
       const std::array<Lanes, 4> re = transposed({x[i].re, x[i + 1].re, x[i + 2].re, x[i + 3].re});
       const std::array<Lanes, 4> im = transposed({x[i].im, x[i + 1].im, x[i + 2].im, x[i + 3].im});
-      const auto sum = [&](const std::array<Lanes, parts>& by) __attribute__((always_inline)) {
+      const auto sum = [&](const Weights& by) __attribute__((always_inline)) {
         Lanes of_re = by[0] * re[0], of_im = by[lanes] * im[0];
         for (std::size_t l = 1; l < lanes; ++l) of_re += by[l] * re[l], of_im += by[lanes + l] * im[l];
         return of_re + of_im;
       };
-      const Lanes velocity = load_lanes(begin_w + i), rate = sum(weights[0]), way = sum(weights[1]);
+      const Lanes velocity = load_lanes(begin_w + i), rate = sum(at_end[0]), way = sum(of_way);
       store_lanes(velocity + rate, end_w + i);
       store_lanes(load_lanes(begin_u + i) + (h * velocity + way), end_u + i);
       raise(largest[0], rate);
       raise(largest[1], way);
-      Lanes of_rate = sum(weights[2]);
+      Lanes of_rate = sum(at_end[2]);
       for (std::size_t k = 0; !massive && k < lanes; ++k)
         if (i + k < first || i + k >= last) of_rate[k] = 0.0;
       raise(largest[2], of_rate);
-      raise(largest[3], sum(weights[3]));
+      raise(largest[3], sum(of_way_error));
     };
     // The last ones of the nodes twice, where they are no multiple of four; takes() wants five.
     move(0, first == 0);

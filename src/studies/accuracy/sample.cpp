@@ -111,7 +111,7 @@ Sample sample_of(const Case& run, std::span<const double> times, const RunLimits
   Observers observers;
   observers.account = true;
   observers.off_the_clock = observers.reactions = false;
-  observers.extremes = peaks;
+  observers.extremes = {.ranges = false, .peaks = peaks};
   observers.snapshot = [&](const Snapshot& snapshot) { probe.add(snapshot); };
   observers.event = [&](const Event& event) { probe.add(event); };
   return probe.take(simulate_within(limits, setup, setup.system(), times, observers));

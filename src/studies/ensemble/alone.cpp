@@ -84,8 +84,8 @@ Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, 
     observers.off_the_clock = false;
     observers.reactions = layout.reactions;
     observers.interior = layout.fields;
-    observers.account = layout.impulses || layout.extremes;
-    observers.extremes = layout.extremes;
+    observers.account = layout.impulses || layout.peaks;
+    observers.extremes = {.ranges = false, .peaks = layout.peaks};
     observers.snapshot = [&](const Snapshot& at) { read(at, *values); };
     observers.event = [&](const Event& event) {
       if (changes.size() < layout.most_changes) changes.push_back(event.time);

@@ -18,7 +18,7 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
     reactions |= output.kind == Kind::trace &&
                  (output.column == TraceColumn::reaction_left || output.column == TraceColumn::reaction_right ||
                   output.column == TraceColumn::force_of);
-    extremes |= output.kind == Kind::peak;
+    peaks |= output.kind == Kind::peak;
     impulses |= output.kind == Kind::impulse;
     most_changes = std::max(most_changes, output.most);
     for (std::size_t k = 0; k < output.times.size(); ++k) looks.push_back({output.times[k], i, k});

@@ -28,7 +28,7 @@ struct Layout {
   std::vector<Look> looks;         // in the order of time
   std::vector<double> times;       // of them, each once
   bool fields = false;             // all nodes are looked at, not the ends alone
-  bool reactions = false, extremes = false, impulses = false;
+  bool reactions = false, peaks = false, impulses = false;
   std::size_t most_changes = 0;
   // Between probes, in which so many intervals of the finest output lie.
   double period;
