@@ -124,7 +124,7 @@ void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::siz
   order_.runs = std::move(runs);
 }
 
-// each(k, l_{k+1}, scale w_k, g_k, q_k) receives the rows.
+// each(k, l_k, l_{k+1}, scale w_k, g_k, q_k) receives the rows.
 LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& each) const {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
   const double negligible = std::pow(std::numeric_limits<double>::epsilon(), 2);
@@ -163,7 +163,7 @@ LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Ru
     reach.through = pull / pivot;
     reach.corner += influence * reach.through;
     reach.last = (d[0] - d[1] * before.lower) / pivot;
-    each(k, last.lower, scale_ / pivot, last.g, reach.through);
+    each(k, before.lower, last.lower, scale_ / pivot, last.g, reach.through);
   }
   reach.back = (d[0] - d[1] * before.lower) * last.g + d[1] * before.g;
   reach.to_right = {scale_ * reach.last, scale_ * d[1] * before.w};
@@ -178,29 +178,29 @@ void LaneFactor::build(const BandedMatrix& matrix, bool alike) {
   }
   std::vector<Reach> reach;
   const auto resize = [&]<class C>(Rows<C>& of) {
-    of.lower.assign(order_.rows + 1, C(0.0));
-    of.scaled_inverse_pivot.assign(order_.rows, C(0.0));
-    of.from_left.assign(order_.rows, C(0.0));
+    for (auto* each : {&of.lower, &of.upper, &of.scaled_inverse_pivot, &of.from_left})
+      each->assign(order_.rows, C(0.0));
   };
   if (alike) {
     resize(alike_);
-    reach.assign(order_.runs.size(),
-                 eliminate_run(matrix, order_.runs.front(),
-                               [this](std::size_t k, double lower, double inverse_pivot, double g, double) {
-                                 alike_.lower[k + 1] = lower;
-                                 alike_.scaled_inverse_pivot[k] = inverse_pivot, alike_.from_left[k] = g;
-                               }));
+    const auto take = [this](std::size_t k, double lower, double upper, double inverse_pivot, double g, double) {
+      alike_.lower[k] = lower, alike_.upper[k] = upper;
+      alike_.scaled_inverse_pivot[k] = inverse_pivot, alike_.from_left[k] = g;
+    };
+    reach.assign(order_.runs.size(), eliminate_run(matrix, order_.runs.front(), take));
   } else {
     resize(unlike_);
     unlike_.to_left = unlike_.from_left;
-    for (const Run& run : order_.runs)
-      reach.push_back(
-          eliminate_run(matrix, run, [&](std::size_t k, double lower, double inverse_pivot, double g, double q) {
-            const std::size_t row = run.begin + k, lane = run.lane;
-            unlike_.lower[row + 1][lane] = lower;
-            unlike_.scaled_inverse_pivot[row][lane] = inverse_pivot;
-            unlike_.from_left[row][lane] = g, unlike_.to_left[row][lane] = q;
-          }));
+    for (const Run& run : order_.runs) {
+      const auto take = [&](std::size_t k, double lower, double upper, double inverse_pivot, double g, double q) {
+        const std::size_t row = run.begin + k, lane = run.lane;
+        unlike_.lower[row][lane] = k == 0 && row > 0 ? 1.0 : lower;
+        unlike_.upper[row][lane] = upper;
+        unlike_.scaled_inverse_pivot[row][lane] = inverse_pivot;
+        unlike_.from_left[row][lane] = g, unlike_.to_left[row][lane] = q;
+      };
+      reach.push_back(eliminate_run(matrix, run, take));
+    }
   }
   cut(matrix, reach);
   condense(matrix, reach);
