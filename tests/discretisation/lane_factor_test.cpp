@@ -166,7 +166,8 @@ TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
   EXPECT_GT(taken, 200u);
 }
 
-// Of ten bars of a hundred nodes each those are the nodes of the joints, those between and behind lanes, and the ends.
+// The interface of ten bars of a hundred nodes each is the nodes of the joints, those between and behind lanes, and the
+// ends.
 TEST(LaneFactor, HasTheNodeOfAJointAloneInTheInterface) {
   BandedMatrix matrix;
   matrix.diagonal.assign(1000, 3.0);
