@@ -29,13 +29,15 @@ constexpr std::size_t fewest_rows = 3;  // fewer are not worth the interface
 using Run = LaneOrder::Run;
 
 // The runs of 16 lanes of so many rows, filled with the free nodes, which are given as [begin, end); empty: there are
-// too few. A node between two lanes stays in the interface.
+// too few. A node between two lanes stays in the interface. It is not the last of those that are free together: the row
+// behind them may have an entry for the one before it.
 std::vector<Run> fill(const std::vector<std::pair<std::size_t, std::size_t>>& free, std::size_t rows) {
   std::vector<Run> runs;
   std::size_t lane = 0, row = 0;
   for (auto [node, end] : free) {
     while (node < end) {
-      const std::size_t count = std::min(end - node, rows - row);
+      std::size_t count = std::min(end - node, rows - row);
+      if (node + count + 1 == end && --count == 0) break;
       runs.push_back({node, lane, row, count});
       node += count + 1, row += count;
       if (row < rows) break;
@@ -86,7 +88,7 @@ void LaneFactor::take_alike(const BandedMatrix& matrix) {
   const std::size_t rest = (end - begin) % lane_count;
   order_.first = begin + rest / 2;
   order_.rows = (end - begin) / lane_count - 1;
-  order_.runs = fill({{order_.first, end}}, order_.rows);
+  order_.runs = fill({{order_.first, order_.first + (order_.rows + 1) * lane_count - 1}}, order_.rows);
 }
 
 // As many rows as there are 16 lanes of; more than a third of the nodes in the interface is not worth it.
@@ -97,8 +99,16 @@ void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::siz
   std::vector<bool> stays(n, false);
   stays[0] = stays[n - 2] = stays[n - 1] = true;
   for (const std::size_t node : kept) stays[node] = true;
-  for (const OneSidedRow& one : matrix.one_sided)
-    for (std::size_t k = 0; k < 3; ++k) stays[one.column(k)] = true;
+  for (const OneSidedRow& one : matrix.one_sided) {
+    stays[one.row] = true;
+    if (one.row == 0 || one.row + 1 == n) stays[one.column(1)] = true;
+  }
+  // The third column of a row stays where the second does.
+  for (bool more = true; more;) {
+    more = false;
+    for (const OneSidedRow& one : matrix.one_sided)
+      if (stays[one.column(1)] && !stays[one.column(2)]) more = stays[one.column(2)] = true;
+  }
   std::vector<std::pair<std::size_t, std::size_t>> free;
   for (std::size_t i = 1; i < n; ++i) {
     if (stays[i]) continue;
@@ -114,30 +124,50 @@ void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::siz
   order_.runs = std::move(runs);
 }
 
-LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& lower,
-                                            auto&& inverse_pivot, auto&& from_left) const {
+// each(k, l_k, l_{k+1}, scale w_k, g_k, q_k) receives the rows.
+LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& each) const {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
   const double negligible = std::pow(std::numeric_limits<double>::epsilon(), 2);
-  Reach reach{};
-  double influence = 1.0, before = 0.0;
+  const std::size_t behind = run.node_behind();
+  Reach reach{.coupling = matrix.off_diagonal[run.node - 1], .symmetric = true};
+  std::array<double, 2> c = {1.0, 0.0}, d = {matrix.off_diagonal[behind - 1], 0.0};
+  for (const OneSidedRow& one : matrix.one_sided) {
+    if (one.leftwards ? one.row != behind : one.row + 1 != run.node) continue;
+    reach.symmetric = false;
+    if (one.leftwards)
+      d = {d[0] + one.entries[1], one.entries[2]};
+    else
+      c = {reach.coupling + one.entries[1], one.entries[2]}, reach.coupling = 1.0;
+  }
+  const double largest = std::abs(c[0]) + std::abs(c[1]);
+  double influence = 1.0, pull = c[0];
+  struct {
+    double lower, w, g;
+  } last{}, before{};
   for (std::size_t k = 0; k < run.count; ++k) {
     const std::size_t i = run.node + k;
     double pivot = matrix.diagonal[i];
     if (k > 0) {
-      pivot -= before * matrix.off_diagonal[i - 1];
-      influence *= -before;
+      pivot -= last.lower * matrix.off_diagonal[i - 1];
+      influence *= -last.lower;
+      pull *= -last.lower;
+      if (k == 1) pull += c[1];
     }
     if (!(pivot > 0.0)) throw std::domain_error("tridiagonal matrix is not positive definite");
-    inverse_pivot(k) = scale_ / pivot;
-    before = matrix.off_diagonal[i] / pivot;
-    lower(k + 1) = before;
-    if (reach.rows < k || !(std::abs(influence) > negligible)) continue;
-    ++reach.rows;
-    from_left(k) = influence / pivot;
-    reach.corner += influence * (influence / pivot);
-    if (k + 1 == run.count) reach.through = influence / pivot;
+    if (reach.rows == k && (std::abs(influence) > negligible || std::abs(pull) > negligible * largest))
+      ++reach.rows;
+    else
+      influence = pull = 0.0;
+    before = last;
+    last = {matrix.off_diagonal[i] / pivot, 1.0 / pivot, influence / pivot};
+    reach.through = pull / pivot;
+    reach.corner += influence * reach.through;
+    reach.last = (d[0] - d[1] * before.lower) / pivot;
+    each(k, before.lower, last.lower, scale_ / pivot, last.g, reach.through);
   }
-  reach.last_lower = before;
+  reach.back = (d[0] - d[1] * before.lower) * last.g + d[1] * before.g;
+  reach.to_right = {scale_ * reach.last, scale_ * d[1] * before.w};
+  if (run.count == 1) reach.beyond = {c[1], d[1]};
   return reach;
 }
 
@@ -148,57 +178,78 @@ void LaneFactor::build(const BandedMatrix& matrix, bool alike) {
   }
   std::vector<Reach> reach;
   const auto resize = [&]<class C>(Rows<C>& of) {
-    of.lower.assign(order_.rows + 1, C(0.0));
-    of.scaled_inverse_pivot.assign(order_.rows, C(0.0));
-    of.from_left.assign(order_.rows, C(0.0));
+    for (auto* each : {&of.lower, &of.upper, &of.scaled_inverse_pivot, &of.from_left})
+      each->assign(order_.rows, C(0.0));
   };
   if (alike) {
     resize(alike_);
-    const auto of = [](std::vector<double>& values) {
-      return [&values](std::size_t k) -> double& { return values[k]; };
+    const auto take = [this](std::size_t k, double lower, double upper, double inverse_pivot, double g, double) {
+      alike_.lower[k] = lower, alike_.upper[k] = upper;
+      alike_.scaled_inverse_pivot[k] = inverse_pivot, alike_.from_left[k] = g;
     };
-    reach.assign(order_.runs.size(), eliminate_run(matrix, order_.runs.front(), of(alike_.lower),
-                                                   of(alike_.scaled_inverse_pivot), of(alike_.from_left)));
+    reach.assign(order_.runs.size(), eliminate_run(matrix, order_.runs.front(), take));
   } else {
     resize(unlike_);
+    unlike_.to_left = unlike_.from_left;
     for (const Run& run : order_.runs) {
-      const auto of = [&run](std::vector<Lanes>& values) {
-        return [&run, begin = reinterpret_cast<double*>(values.data())](std::size_t k) -> double& {
-          return begin[(run.begin + k) * lane_count + run.lane];
-        };
+      const auto take = [&](std::size_t k, double lower, double upper, double inverse_pivot, double g, double q) {
+        const std::size_t row = run.begin + k, lane = run.lane;
+        unlike_.lower[row][lane] = k == 0 && row > 0 ? 1.0 : lower;
+        unlike_.upper[row][lane] = upper;
+        unlike_.scaled_inverse_pivot[row][lane] = inverse_pivot;
+        unlike_.from_left[row][lane] = g, unlike_.to_left[row][lane] = q;
       };
-      reach.push_back(
-          eliminate_run(matrix, run, of(unlike_.lower), of(unlike_.scaled_inverse_pivot), of(unlike_.from_left)));
+      reach.push_back(eliminate_run(matrix, run, take));
     }
   }
   cut(matrix, reach);
+  condense(matrix, reach);
+}
 
+void LaneFactor::condense(const BandedMatrix& matrix, const std::vector<Reach>& reach) {
   const std::size_t n = order_.interface_size();
-  condensed_.diagonal.clear(), condensed_.off_diagonal.clear();
-  condensed_.one_sided = matrix.one_sided;
-  for (OneSidedRow& one : condensed_.one_sided) one.row = order_.interface_index(one.row);
+  std::vector<double>&diagonal = condensed_.diagonal, &off = condensed_.off_diagonal, skew(n - 1, 0.0);
   std::size_t node = 0;
   const auto take_up_to = [&](std::size_t end) {
     for (; node < end; ++node) {
-      condensed_.diagonal.push_back(matrix.diagonal[node]);
-      if (condensed_.diagonal.size() < n) condensed_.off_diagonal.push_back(matrix.off_diagonal[node]);
+      diagonal.push_back(matrix.diagonal[node]);
+      if (diagonal.size() < n) off.push_back(matrix.off_diagonal[node]);
     }
   };
   double pulled = 0.0;  // from the diagonal of the node behind the last run
+  bool symmetric = true;
   for (std::size_t r = 0; r < order_.runs.size(); ++r) {
     const Run& run = order_.runs[r];
-    const std::size_t behind = condensed_.diagonal.size();
+    const Reach& of = reach[r];
+    const std::size_t behind = diagonal.size();
     take_up_to(run.node);
-    condensed_.diagonal[behind] -= pulled;
+    diagonal[behind] -= pulled;
     const double left = matrix.off_diagonal[run.node - 1], right = matrix.off_diagonal[run.node_behind() - 1];
-    condensed_.diagonal.back() -= left * left * reach[r].corner;
-    condensed_.off_diagonal.back() = -left * right * reach[r].through;
-    pulled = right * reach[r].last_lower;
+    diagonal.back() -= left * of.coupling * of.corner;
+    off.back() = -of.coupling * right * of.through;
+    if (!of.symmetric) {
+      const double above = off.back() + of.beyond[0], below = of.beyond[1] - left * of.back;
+      off.back() = (above + below) / 2, skew[off.size() - 1] = (above - below) / 2;
+      symmetric = false;
+    }
+    pulled = right * of.last;
     node = run.node_behind();
   }
-  const std::size_t behind = condensed_.diagonal.size();
+  const std::size_t behind = diagonal.size();
   take_up_to(matrix.size());
-  condensed_.diagonal[behind] -= pulled;
+  diagonal[behind] -= pulled;
+  if (!symmetric) condensed_.skew = std::move(skew);
+  const auto in_a_run = [this](std::size_t i) {
+    return std::ranges::any_of(order_.runs, [i](const Run& run) { return run.node <= i && i < run.node_behind(); });
+  };
+  for (OneSidedRow one : matrix.one_sided) {
+    const bool taken = in_a_run(one.column(1));
+    one.row = order_.interface_index(one.row);
+    if (taken)
+      diagonal[one.row] += one.entries[0];
+    else
+      condensed_.one_sided.push_back(one);
+  }
 }
 
 // Into rows that are swept alike.
@@ -221,7 +272,8 @@ void LaneFactor::cut(const BandedMatrix& matrix, const std::vector<Reach>& reach
   }
   for (std::size_t r = 0, left = order_.first - 1; r < runs.size(); ++r) {
     const Run& run = runs[r];
-    const Ends ends_of{run.lane, left, left + 1, matrix.off_diagonal[run.node - 1]};
+    const Ends ends_of{run.lane,         left, left + 1, matrix.off_diagonal[run.node - 1], reach[r].coupling,
+                       reach[r].to_right};
     if (r + 1 < runs.size()) left += runs[r + 1].node - run.node_behind();
     if (run.end() == order_.rows)
       last_[run.lane] = ends_of;

@@ -155,9 +155,15 @@ class LaneFields {
 ///     (condensed matrix) x_interface = b_interface - (e_left g.y to the left, l_m y_{m-1} to the right of each run),
 ///     x_k = w_k y_k - g_k (e_left x_left) - l_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
 ///
+/// The row of a joint takes x_0 and x_1 of the run behind it by c_1 and c_2, and those of the one before it from its
+/// end on by d_1 and d_2. So the run pulls it, with h = D^{-1} L^{-1} e_1, by
+///
+///     (c_1 g + c_2 h).y,    (d_1 - d_2 l_{m-1}) w_{m-1} y_{m-1} + d_2 w_{m-2} y_{m-2}.
+///
 /// So each sweep is one recurrence for 16 lanes. Where rows are alike but for some at either end, as those of a uniform
-/// bar are, its coefficients are three numbers a row, else three a node. What is bound by an obstacle stays in the
-/// small condensed system. So do one-sided rows and their columns. All arrays are in the order of order().
+/// bar are, its coefficients are three numbers a row, else five a node. What is bound by an obstacle stays in the
+/// small condensed system. So do the one-sided rows, with their columns at the ends. All arrays are in the order of
+/// order().
 class LaneFactor {
  public:
   LaneFactor() = default;
@@ -174,7 +180,8 @@ class LaneFactor {
   const BandedMatrix& condensed() const { return condensed_; }
 
   /// First sweep. `right(k)` is row k of b divided by the `scale` of the constructor, asked for k = 0, 1, ... once
-  /// each; where it has a last(k), as that where runs end with it. y receives the eliminated rows, and `interface`,
+  /// each. Where it has a next_break(), that gives what the last row of each run lacks, as they end, rising, and what
+  /// the first row of the one behind it in its lane has too much. y receives the eliminated rows, and `interface`,
   /// which holds b there, what they pull.
   template <class Row>
   void eliminate(const Row& right, std::span<double> y, std::span<double> interface) const {
@@ -198,12 +205,16 @@ class LaneFactor {
  private:
   template <class Coefficient>
   struct Rows {
-    std::vector<Coefficient> lower, scaled_inverse_pivot, from_left;  // l_0 = 0, ..., l_m; scale w; g
+    // l_0, ..., l_{m-1}, l_0 being 0, or 1 where a run follows another; l_1, ..., l_m; scale w; g.
+    std::vector<Coefficient> lower, upper, scaled_inverse_pivot, from_left;
+    std::vector<Coefficient> to_left;  // q: g, or c_1 g + c_2 h; empty: g
   };
-  // A run, its neighbours in the interface and what couples it to the left one.
+  // A run and its neighbours in the interface. The run feels the left one by coupling g. That one's row takes q.y of
+  // it, times by_left, and the right one's row the last y and the one before, times to_right.
   struct Ends {
     std::size_t lane = 0, left = 0, right = 0;
-    double coupling = 0.0;
+    double coupling = 0.0, by_left = 0.0;
+    std::array<double, 2> to_right{};
   };
   // Rows up to `end`, in which no run begins: which feel a left neighbour at all.
   struct Piece {
@@ -211,16 +222,21 @@ class LaneFactor {
     bool felt;
     std::vector<Ends> ended;  // runs that end with it, but for the last of each lane
   };
+  // A run as its neighbours see it: how far it feels the left one; the factor of q in that one's row, and what the row
+  // takes of T^{-1} e_0 and T^{-1} e_{m-1}, over it; the same of the right one's row, last column first. `beyond` has
+  // c_2 and d_2 of a run of one node, which are of the neighbours themselves.
   struct Reach {
-    std::size_t rows;
-    double corner, last_lower, through;  // (T^{-1})_{00}, l_m, (T^{-1})_{m-1,0}
+    std::size_t rows = 0;
+    double coupling, corner = 0.0, through = 0.0, last = 0.0, back = 0.0;
+    std::array<double, 2> to_right{}, beyond{};
+    bool symmetric;
   };
 
   void take_alike(const BandedMatrix& matrix);
   void take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept);
   void build(const BandedMatrix& matrix, bool alike);
-  Reach eliminate_run(const BandedMatrix& matrix, const LaneOrder::Run& run, auto&& lower, auto&& inverse_pivot,
-                      auto&& from_left) const;
+  Reach eliminate_run(const BandedMatrix& matrix, const LaneOrder::Run& run, auto&& each) const;
+  void condense(const BandedMatrix& matrix, const std::vector<Reach>& reach);
   void cut(const BandedMatrix& matrix, const std::vector<Reach>& reach);
 
   // Calls that lanes pass through cost more than their arithmetic: all are inlined.
@@ -229,36 +245,40 @@ class LaneFactor {
                                      std::span<double> interface) const {
     // Copies, since a store of lanes may alias anything; arguments that are copies stay in memory.
     Row right = given;
-    const C *lower = of.lower.data(), *from_left = of.from_left.data();
+    const C *lower = of.lower.data(), *to_left = of.to_left.empty() ? of.from_left.data() : of.to_left.data();
     double* row = &y[order_.row(0)];
     Lanes eliminated = 0.0, pull = 0.0;
     std::size_t k = 0;
+    // A run has ended in front of `row`, and passes to its neighbours. Returns the force in front of the next one.
+    const auto end = [&](const Ends& run, double pulled) __attribute__((always_inline)) {
+      double* const last = row - lane_count + run.lane;
+      double in_front = 0.0;
+      if constexpr (requires { right.next_break(); }) {
+        const auto [behind, before] = right.next_break();
+        *last += behind;  // it is linear in its force
+        pulled += reinterpret_cast<const double*>(to_left + k - 1)[run.lane] * behind;
+        in_front = before;
+      }
+      interface[run.left] -= scale_ * run.by_left * pulled;
+      interface[run.right] -= run.to_right[0] * *last;
+      if (run.to_right[1] != 0.0) interface[run.right] -= run.to_right[1] * *(last - lane_count);
+      return in_front;
+    };
     for (const Piece& piece : pieces_) {
-      const std::size_t last = piece.end - 1;
-      const auto add = [&](const Lanes& force, auto felt) __attribute__((always_inline)) {
-        eliminated = force - lower[k] * eliminated;
-        if constexpr (felt) pull += from_left[k] * eliminated;
-        store_lanes(eliminated, row);
-        ++k, row += lane_count;
-      };
       const auto add_all = [&](auto felt) __attribute__((always_inline)) {
-        while (k < last) add(right(k), felt);
-        if constexpr (requires { right.last(k); })
-          add(right.last(k), felt);
-        else
-          add(right(k), felt);
+        while (k < piece.end) {
+          eliminated = right(k) - lower[k] * eliminated;
+          if constexpr (felt) pull += to_left[k] * eliminated;
+          store_lanes(eliminated, row);
+          ++k, row += lane_count;
+        }
       };
       piece.felt ? add_all(std::true_type()) : add_all(std::false_type());
       if constexpr (std::is_same_v<C, Lanes>) {
         if (piece.ended.empty()) continue;
-        const Lanes to_right = scale_ * lower[k] * eliminated;
         change_lanes(pull, [&](auto& pulls) {
           change_lanes(eliminated, [&](auto& values) {
-            for (const Ends& run : piece.ended) {
-              interface[run.left] -= scale_ * run.coupling * pulls[run.lane];
-              interface[run.right] -= to_right[run.lane];
-              pulls[run.lane] = values[run.lane] = 0.0;
-            }
+            for (const Ends& run : piece.ended) values[run.lane] = end(run, pulls[run.lane]), pulls[run.lane] = 0.0;
           });
         });
       }
@@ -266,13 +286,11 @@ class LaneFactor {
     if constexpr (std::is_same_v<C, double>) {
       double* left = &interface[order_.first - 1];
       store_lanes(load_lanes(left) - scale_ * last_[0].coupling * pull, left);
-      store_lanes(load_lanes(left + 1) - scale_ * lower[k] * eliminated, left + 1);
+      store_lanes(load_lanes(left + 1) - scale_ * of.upper[k - 1] * eliminated, left + 1);
     } else {
-      const Lanes to_right = scale_ * lower[k] * eliminated;
-      for (const Ends& run : last_) {
-        interface[run.left] -= scale_ * run.coupling * pull[run.lane];
-        interface[run.right] -= to_right[run.lane];
-      }
+      std::array<double, lane_count> pulls;
+      store_lanes(pull, pulls.data());
+      for (const Ends& run : last_) end(run, pulls[run.lane]);
     }
   }
 
@@ -280,8 +298,7 @@ class LaneFactor {
   [[gnu::flatten]] void substitute_by(const Rows<C>& of, std::span<const double> interface, std::span<const double> y,
                                       const Row& given) const {
     const Row use = given;
-    const C *lower = of.lower.data() + 1, *inverse_pivot = of.scaled_inverse_pivot.data(),
-            *from_left = of.from_left.data();
+    const C *upper = of.upper.data(), *inverse_pivot = of.scaled_inverse_pivot.data(), *from_left = of.from_left.data();
     const double* rows = &y[order_.row(0)];
     Lanes left, x;
     const auto enter = [&](std::span<const Ends> runs) {
@@ -304,13 +321,13 @@ class LaneFactor {
       if (piece.felt) {
         while (k > begin) {
           --k;
-          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - lower[k] * x;
+          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - upper[k] * x;
           use(k, x);
         }
       } else {
         while (k > begin) {
           --k;
-          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - lower[k] * x;
+          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - upper[k] * x;
           use(k, x);
         }
       }

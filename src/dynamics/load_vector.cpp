@@ -139,7 +139,7 @@ void LoadVector::find_distributed(double t) {
   } else if (const auto* steady = load_as<NodalLoad::Steady>()) {
     std::ranges::copy(steady->weighted, weighted_.begin());
   } else if (const auto* separable = load_as<NodalLoad::Separable>()) {
-    const double history = history_at(separable->history, t);
+    const double history = separable_history(t);
     for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] = history * separable->weighted[i];
   } else {
     const auto& general = std::get<NodalLoad::General>(*load_->distributed);
@@ -239,7 +239,12 @@ const std::vector<double>* LoadVector::profile() const {
   return alone ? &separable->weighted : nullptr;
 }
 
-double LoadVector::history(double t) const { return history_at(load_as<NodalLoad::Separable>()->history, inside(t)); }
+double LoadVector::history(double t) const { return separable_history(inside(t)); }
+
+double LoadVector::separable_history(double t) const {
+  if (history_time_ != t) history_ = history_at(load_as<NodalLoad::Separable>()->history, t), history_time_ = t;
+  return history_;
+}
 
 double LoadVector::at_held(double t, bool right) const {
   const double own = distributed(inside(t), right ? system_.mesh().elements : 0);
@@ -254,8 +259,7 @@ double LoadVector::distributed(double t, std::size_t node) const {
     return unknown < of.weighted.size() ? of.weighted[unknown] : of.held[node > 0];
   };
   if (const auto* steady = load_as<NodalLoad::Steady>()) return entry(*steady);
-  if (const auto* separable = load_as<NodalLoad::Separable>())
-    return history_at(separable->history, t) * entry(*separable);
+  if (const auto* separable = load_as<NodalLoad::Separable>()) return separable_history(t) * entry(*separable);
   const auto& general = std::get<NodalLoad::General>(*load_->distributed);
   if (general.breaks_in_x) {
     double moment = 0.0;

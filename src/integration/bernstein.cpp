@@ -114,14 +114,6 @@ Bernstein Bernstein::of_powers(std::span<const double> coefficients) {
   return p;
 }
 
-Bernstein Bernstein::derivative() const {
-  Bernstein slope;
-  if (degree_ == 0) return slope;
-  slope.degree_ = degree_ - 1;
-  for (std::size_t j = 0; j < degree_; ++j) slope.c_[j] = static_cast<double>(degree_) * (c_[j + 1] - c_[j]);
-  return slope;
-}
-
 double Bernstein::operator()(double s) const { return de_casteljau(c_, degree_, s); }
 
 double Bernstein::mean(std::span<const double> samples) {
@@ -132,6 +124,30 @@ double Bernstein::mean(std::span<const double> samples) {
     return all;
   }();
   return std::inner_product(samples.begin(), samples.end(), weights[samples.size() - 1].begin(), 0.0);
+}
+
+// By Lagrange's form: with w_j = (-1)^j binom(q,j) it is q (w_j / w_i) / (i - j) that sample j adds at i, and at itself
+// what makes a constant's derivative 0.
+std::array<double, 16> Bernstein::slopes(std::span<const double> samples) {
+  static const std::array<OfSamples, max_degree + 1> tables = [] {
+    std::array<OfSamples, max_degree + 1> all;
+    for (OfSamples& of : all) of.fill(Padded::Zero());
+    for (std::size_t q = 1; q <= max_degree; ++q)
+      for (std::size_t i = 0; i <= q; ++i)
+        for (std::size_t j = 0; j <= q; ++j) {
+          if (i == j) continue;
+          const double apart = static_cast<double>(i) - static_cast<double>(j), sign = (i + j) % 2 == 0 ? 1.0 : -1.0;
+          const double slope = sign * static_cast<double>(q) * binomial(q, j) / (binomial(q, i) * apart);
+          all[q][j][static_cast<Eigen::Index>(i)] = slope;
+          all[q][i][static_cast<Eigen::Index>(i)] -= slope;
+        }
+    return all;
+  }();
+  const OfSamples& of = tables[samples.size() - 1];
+  std::array<double, padded> out;
+  Padded::Map(out.data()) = of[0] * samples[0];
+  for (std::size_t j = 1; j < samples.size(); ++j) Padded::Map(out.data()) += of[j] * samples[j];
+  return out;
 }
 
 double Bernstein::excess(std::size_t degree) {

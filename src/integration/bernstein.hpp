@@ -20,8 +20,6 @@ class Bernstein {
   static Bernstein of_powers(std::span<const double> coefficients);
 
   std::size_t degree() const { return degree_; }
-  /// p'; of degree 0 it is 0.
-  Bernstein derivative() const;
   double operator()(double s) const;
   /// The same on [from, to], a part of [0, 1] that does not begin at its end, as [0, 1].
   Bernstein between(double from, double to) const;
@@ -32,6 +30,8 @@ class Bernstein {
   double mean() const;  ///< its integral over [0, 1]
   /// The same of the polynomial through samples.
   static double mean(std::span<const double> samples);
+  /// Derivatives at the samples of the polynomial through them, and zeros.
+  static std::array<double, 16> slopes(std::span<const double> samples);
   /// How far it may leave the samples' range to either side, in lengths of that range: (Lebesgue's constant - 1) / 2.
   static double excess(std::size_t degree);
   /// max(known, p) over [0, 1], to rounding: nothing is searched where the hull stays below what is known.

@@ -36,11 +36,7 @@ ContactWatch::ContactWatch(const PenalisedSystem& system, RunAccount& account, A
 
 void ContactWatch::ask_for(std::vector<std::size_t>& entries) {
   for (const End& end : ends_)
-    for (const std::size_t entry : end.entries) {
-      const auto place = std::ranges::find(entries, entry) - entries.begin();
-      positions_.push_back(static_cast<std::size_t>(place));
-      if (positions_.back() == entries.size()) entries.push_back(entry);
-    }
+    for (const std::size_t entry : end.entries) positions_.push_back(position_of(entry, entries));
   span_.ask_for(entries);
   joints_.ask_for(entries);
 }

@@ -32,11 +32,8 @@ void JointForces::ask_for(std::vector<std::size_t>& entries) {
   for (Joint& joint : joints_) {
     const auto& row = joint.row;
     std::size_t k = 0;
-    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond, row.beyond}) {
-      if (k == used()) break;
-      joint.positions[k++] = entries.size();
-      entries.push_back(entry);
-    }
+    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond, row.beyond})
+      if (k < used()) joint.positions[k++] = position_of(entry, entries);
   }
 }
 
@@ -52,31 +49,39 @@ bool JointForces::closed() const {
 }
 
 void JointForces::look_at(double from, double to, std::size_t order, std::span<const PointValues> y) {
+  // Time by time, since a load is evaluated once for all that ask for it at one time.
+  for (std::size_t j = 0; load_.acts() && j <= order; ++j) {
+    const double t = point_of(from, to, order, j);
+    for (Joint& joint : joints_)
+      if (contacts_.closed(joint.contact))
+        joint.load[j] = joint.row.sum_over_rows([&](std::size_t node) { return load_.alone(node, t); });
+  }
   for (Joint& joint : joints_)
-    for (std::size_t j = 0; contacts_.closed(joint.contact) && j <= order; ++j) look_at(joint, j, from, to, order, y);
+    if (contacts_.closed(joint.contact)) look_at(joint, order, y);
 }
 
-void JointForces::look_at(Joint& joint, std::size_t j, double from, double to, std::size_t order,
-                          std::span<const PointValues> y) const {
+// At all points at once, those behind the order as well.
+void JointForces::look_at(Joint& joint, std::size_t order, std::span<const PointValues> y) const {
   const auto& [row, at] = std::tie(joint.row, joint.positions);
-  const auto value = [&](std::size_t k) { return y[at[k]][j]; };
-  double stretch = value(0) - value(1);
-  if (!origin_.empty()) stretch += origin_[row.node] - origin_[row.next];
-  if (contacts_[joint.contact].by_law) {
-    joint.rate[j] = contacts_[joint.contact].law.force(stretch + contacts_[joint.contact].gap, value(2) - value(3));
-    return;
+  const auto origin = [this](std::size_t unknown) { return origin_.empty() ? 0.0 : origin_[unknown]; };
+  const PointValues &u = y[at[0]], &u_next = y[at[1]], &w = y[at[2]], &w_next = y[at[3]], &w_beyond = y[at[4]];
+  const double of_node = origin(row.node), apart = origin(row.node) - origin(row.next);
+  const ContactNode& contact = contacts_[joint.contact];
+  for (std::size_t j = 0; contact.by_law && j <= order; ++j)
+    joint.rate[j] = contact.law.force(u[j] - u_next[j] + apart + contact.gap, w[j] - w_next[j]);
+  if (contact.by_law) return;
+  for (std::size_t j = 0; j < u.size(); ++j) {
+    const double stretch = u[j] - u_next[j] + apart, displacement = u[j] + of_node;
+    joint.momentum[j] = row.inertia[0] * w[j] + row.inertia[1] * w_next[j] + row.inertia[2] * w_beyond[j] +
+                        row.viscosity * stretch + row.ground_viscosity * displacement;
+    joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement - row.ground_force) - joint.load[j];
   }
-  const auto displacement = [&](std::size_t k) {
-    const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, u = {0, 1, 5};
-    return value(u[k]) + (origin_.empty() ? 0.0 : origin_[unknowns[k]]);
-  };
-  joint.momentum[j] = row.inertia[0] * value(2) + row.inertia[1] * value(3) + row.inertia[2] * value(4) +
-                      row.viscosity * stretch + row.ground_viscosity * displacement(0);
-  const double t = point_of(from, to, order, j);
-  joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement(0) - row.ground_force) -
-                  row.sum_over_rows([&](std::size_t node) { return load_.alone(node, t); });
-  for (std::size_t k = 0; k < 3 && contacts_.bar().side(); ++k)
-    joint.rate[j] += row.side_stiffness[k] * displacement(k) + row.side_drag[k] * value(2 + k);
+  if (!contacts_.bar().side()) return;
+  const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, positions = {at[0], at[1], at[5]};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < u.size(); ++j)
+      joint.rate[j] +=
+          row.side_stiffness[k] * (y[positions[k]][j] + origin(unknowns[k])) + row.side_drag[k] * y[at[2 + k]][j];
 }
 
 void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
@@ -97,10 +102,8 @@ void JointForces::add(double to, double length, std::size_t order, bool peaks) {
         joint.direction * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
     std::visit([&](auto* account) { account->impulse += impulse; }, joint.account);
     if (!peaks) continue;
-    const Bernstein inertia = Bernstein::through(used(joint.momentum)).derivative();
-    for (std::size_t j = 0; j <= order; ++j)
-      joint.rate[j] =
-          joint.direction * (joint.rate[j] + inertia(static_cast<double>(j) / static_cast<double>(order)) / length);
+    const auto inertia = Bernstein::slopes(used(joint.momentum));
+    for (std::size_t j = 0; j <= order; ++j) joint.rate[j] = joint.direction * (joint.rate[j] + inertia[j] / length);
     const bool pulls = contacts_[joint.contact].joint == 0;
     std::visit([&](auto* account) { raise_peak(*account, used(joint.rate), to, length, pulls); }, joint.account);
   }

@@ -47,11 +47,10 @@ class JointForces {
     JointRow row;
     double direction;                        // of its force: the row's sign at a joint, of an obstacle that of u
     std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
-    PointValues momentum{}, rate{};
+    PointValues momentum{}, rate{}, load{};  // the last of the rows that are added
   };
 
-  void look_at(Joint& joint, std::size_t j, double from, double to, std::size_t order,
-               std::span<const PointValues> y) const;
+  void look_at(Joint& joint, std::size_t order, std::span<const PointValues> y) const;
   /// Positions that are used: the last is of a side that resists.
   std::size_t used() const { return contacts_.bar().side() ? 6 : 5; }
 

@@ -114,20 +114,15 @@ struct ForceRows {
   double per_scale;
   Lanes before;  // stresses in front of the next one
 
-  [[gnu::always_inline]] Lanes without_load(std::size_t k) {
+  [[gnu::always_inline]] Lanes operator()(std::size_t k) {
     const std::size_t here = row + k * lane_count;
-    const Lanes next = stress.rows(here, here + lane_count, k + 1), difference = next - before;
+    const Lanes next = stress.rows(here, here + lane_count, k + 1), force = next - before;
     before = next;
-    return difference;
-  }
-  [[gnu::always_inline]] Lanes with_load(std::size_t k, const Lanes& force) const {
     if constexpr (loaded)
       return force + per_scale * load_lanes(load + k * lane_count);
     else
       return force;
   }
-  [[gnu::always_inline]] Lanes operator()(std::size_t k) { return with_load(k, without_load(k)); }
-  [[gnu::always_inline]] Lanes last(std::size_t k) { return (*this)(k); }
 };
 
 // Calls use(rows) with those of a stress.
@@ -219,7 +214,6 @@ void LaneBar::take_edges() {
   edges_.push_back({0, 0, system_.mesh().elements - 1});
   stresses_.resize(edges_.size());
   std::ranges::stable_sort(breaks_, {}, &Break::row);
-  breaks_.push_back({.row = order_.rows + 1});  // never
 }
 
 LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const {
@@ -248,7 +242,7 @@ void LaneBar::interface_forces(const Stress& stress, std::array<double, 2> walls
   for (std::size_t i = order_.first; i < interface.size(); ++i) others[i] += loads[i];
 }
 
-// Those of runs that end within the lanes.
+// Those of runs, between which a lane has no element.
 template <class Rows>
 struct LaneBar::BrokenRows : Rows {
   const Break* at;  // the next one
@@ -256,18 +250,10 @@ struct LaneBar::BrokenRows : Rows {
 
   BrokenRows(const Rows& rows, const Break* first, const double* of_edges)
       : Rows(rows), at(first), stresses(of_edges) {}
-  [[gnu::always_inline]] Lanes last(std::size_t k) {
-    Lanes difference = this->without_load(k);
-    if (k + 1 == at->row)
-      change_lanes(difference, [&](auto& differences) {
-        change_lanes(this->before, [&](auto& begins) {
-          for (; at->row == k + 1; ++at) {
-            differences[at->lane] += stresses[at->behind];
-            begins[at->lane] = stresses[at->before];
-          }
-        });
-      });
-    return this->with_load(k, difference);
+  // The stresses behind the run that ends, and in front of the next one.
+  [[gnu::always_inline]] std::array<double, 2> next_break() {
+    const Break& now = *at++;
+    return {stresses[now.behind], stresses[now.before]};
   }
 };
 

@@ -17,7 +17,7 @@ auto StepEnergy::velocity() const {
 // v^n at all nodes.
 auto StepEnergy::velocity_at_nodes() const {
   return [this, v = velocity(), n = step_.p().size(), first = system_.unknowns().first_node()](std::size_t j) {
-    return j < first || j - first >= n ? 0.0 : v(step_.order().place(j - first));
+    return j < first || j - first >= n ? 0.0 : v(places_[j - first]);
   };
 }
 
@@ -26,14 +26,14 @@ auto StepEnergy::displacement_at_nodes() const {
   return [this, u = step_.u(), p = step_.p(), a = step_.acceleration(),
           first = system_.unknowns().first_node()](std::size_t j) {
     if (j < first || j - first >= u.size()) return *system_.unknowns().wall(j > 0);
-    const std::size_t i = step_.order().place(j - first);
+    const std::size_t i = places_[j - first];
     return u[i] - dt_ * (p[i] - dt_ / 2 * a[i]);
   };
 }
 
 auto StepEnergy::acceleration_at_nodes() const {
-  return [&order = step_.order(), a = step_.acceleration(), first = system_.unknowns().first_node()](std::size_t j) {
-    return j < first || j - first >= a.size() ? 0.0 : a[order.place(j - first)];
+  return [this, a = step_.acceleration(), first = system_.unknowns().first_node()](std::size_t j) {
+    return j < first || j - first >= a.size() ? 0.0 : a[places_[j - first]];
   };
 }
 
@@ -41,16 +41,19 @@ StepEnergy::StepEnergy(const BarSystem& system, TimeStep& step, std::span<const 
     : system_(system),
       step_(step),
       bar_(system, step.order()),
-      end_rows_(system.inertia().matrix()),
+      places_(system.size()),
       active_(step.active()),
       begin_(times.front()),
       end_(times.back()),
       dt_(dt) {
-  for (OneSidedRow& one : end_rows_.one_sided) one.row = step.order().place(one.row);
+  for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = step.order().place(i);
 }
 
 double StepEnergy::end_power() const {
-  return end_rows_.unsymmetric_product(velocity(), RowValues{step_.acceleration()});
+  const std::size_t* const places = places_.data();
+  return system_.inertia().matrix().unsymmetric_product(
+      [v = velocity(), places](std::size_t i) { return v(places[i]); },
+      [a = step_.acceleration().data(), places](std::size_t i) { return a[places[i]]; });
 }
 
 namespace {

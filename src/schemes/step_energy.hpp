@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "schemes/time_step.hpp"
 #include "viscobar/run/run.hpp"
@@ -34,7 +35,7 @@ class StepEnergy {
 
   /// After TimeStep::advance() from n on: adds what the step dissipated and the work done.
   void account(std::size_t n, EnergyAccount& energy);
-  /// v^n . rho (M - Q) a^n, of a mass with one-sided rows, whose columns are stored side by side.
+  /// v^n . rho (M - Q) a^n, of a mass with one-sided rows.
   double end_power() const;
 
  private:
@@ -51,7 +52,7 @@ class StepEnergy {
   const BarSystem& system_;
   TimeStep& step_;
   LaneBar bar_;
-  BandedMatrix end_rows_;                  // rho M, its one-sided rows where the nodes are stored
+  std::vector<std::size_t> places_;        // of the nodes, where they are stored
   std::span<const unsigned char> active_;  // of the step
   double begin_, end_, dt_;
   double taken_ = 0.0, taken_at_rest_ = 0.0;  // by impacts: up to now, and the most when nothing touched

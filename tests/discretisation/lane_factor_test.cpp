@@ -107,30 +107,36 @@ TEST(LaneFactor, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_THROW(TridiagonalFactor(LaneFactor(end).condensed()), std::domain_error);
 }
 
-// Chains of bars of every length that are bonded, uncoupled, or coupled to nodes two away, down to bars shorter than a
-// lane. Each equation holds to rounding, and nodes that are kept are in the interface.
+// Chains of bars of every length, down to three nodes, that are bonded, uncoupled, or share a node, whose rows at the
+// joints have entries for nodes two away. Each equation holds to rounding, and nodes that are kept are in the
+// interface.
 TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::size_t taken = 0;
   for (const double dominance : {1.0, 1e-3})
-    for (std::size_t trial = 0; trial < 60; ++trial) {
+    for (std::size_t trial = 0; trial < 200; ++trial) {
       BandedMatrix matrix;
       std::vector<std::size_t> kept;
-      const double longest = 20.0 + 300.0 * unit(random);
-      for (std::size_t bar = 0; bar < 2 + trial % 9; ++bar) {
-        const std::size_t count = 8 + static_cast<std::size_t>(longest * unit(random));
+      const double longest = trial % 2 == 0 ? 20.0 + 300.0 * unit(random) : 20.0 * unit(random);
+      const bool one_sided = trial % 3 != 2;
+      for (std::size_t bar = 0; bar < 2 + trial % 29; ++bar) {
+        const std::size_t count = 3 + static_cast<std::size_t>(longest * unit(random));
         const double stiffness = std::pow(10.0, 2.0 * unit(random) - 1.0);
         for (std::size_t i = 0; i < count; ++i) {
           const double uneven = stiffness * (1.0 + 0.3 * unit(random));
           if (!matrix.diagonal.empty()) {
-            const bool joint = i == 0;
-            const double off = joint && bar % 3 == 1 ? 0.0 : uneven;
+            const bool joint = i == 0, uncoupled = joint && bar % 3 == 1;
+            const double off = uncoupled ? 0.0 : uneven;
             matrix.off_diagonal.push_back(-off);
             matrix.diagonal.back() += off;
-            if (joint) kept.insert(kept.end(), {matrix.size() - 1, matrix.size()});
-            if (joint && bar % 3 == 2)
-              matrix.one_sided.push_back({matrix.size() - 1, true, {0.3 * off, -0.1 * off, 0.02 * off}});
+            const std::size_t node = matrix.size() - 1;
+            const auto entries = [&](double of) { return std::array{0.3 * of, -0.3 * of * unit(random), 0.1 * of}; };
+            if (joint && bar % 3 > 0) kept.insert(kept.end(), {node, node + 1});
+            if (joint && one_sided) {
+              matrix.one_sided.push_back({node, true, entries(stiffness)});
+              matrix.one_sided.push_back({bar % 3 > 0 ? node + 1 : node, false, entries(stiffness)});
+            }
             matrix.diagonal.push_back(dominance * stiffness + off);
           } else {
             matrix.diagonal.push_back(dominance * stiffness);
@@ -141,6 +147,7 @@ TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
       const LaneFactor factor(matrix, 2.0, kept);
       const LaneOrder& order = factor.order();
       ASSERT_EQ(factor.condensed().size(), order.interface_size());
+      EXPECT_TRUE(one_sided || factor.condensed().skew.empty());
       std::vector<double> b = random_vector(n, random), residual(n);
       if (order.rows > 0) {
         ++taken;
@@ -156,7 +163,18 @@ TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
       for (std::size_t i = 0; i < n; ++i)
         ASSERT_NEAR(residual[i], b[i], 20 * eps * 8.0 * size * largest) << trial << " " << i;
     }
-  EXPECT_GT(taken, 60u);
+  EXPECT_GT(taken, 200u);
+}
+
+// The interface of ten bars of a hundred nodes each is the nodes of the joints, those between and behind lanes, and the
+// ends.
+TEST(LaneFactor, HasTheNodeOfAJointAloneInTheInterface) {
+  BandedMatrix matrix;
+  matrix.diagonal.assign(1000, 3.0);
+  matrix.off_diagonal.assign(999, -1.0);
+  for (std::size_t node = 100; node < 1000; node += 100)
+    for (const bool leftwards : {true, false}) matrix.one_sided.push_back({node, leftwards, {0.1, -0.2, 0.1}});
+  EXPECT_LE(LaneFactor(matrix, 1.0, {}).order().interface_size(), 9 + 2 * lane_count + 3);
 }
 
 TEST(LaneOrder, GoesThereAndBack) {

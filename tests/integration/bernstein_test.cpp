@@ -30,6 +30,21 @@ TEST(Bernstein, ReproducesPolynomialsOfItsDegree) {
   }
 }
 
+// A derivative at equidistant points magnifies roundings of the samples as the entries of its matrix do, by less than
+// q 2^q.
+TEST(Bernstein, HasTheSlopesOfPolynomialsOfItsDegreeAtItsSamples) {
+  for (std::size_t degree = 1; degree <= Bernstein::max_degree; ++degree) {
+    const double q = static_cast<double>(degree);
+    std::vector<double> samples;
+    for (std::size_t j = 0; j <= degree; ++j) samples.push_back(std::pow(2.0 * static_cast<double>(j) / q - 1.0, q));
+    const auto slopes = Bernstein::slopes(samples);
+    for (std::size_t j = 0; j <= degree; ++j)
+      EXPECT_NEAR(slopes[j], 2.0 * q * std::pow(2.0 * static_cast<double>(j) / q - 1.0, q - 1.0),
+                  2.3e-16 * q * std::pow(2.0, q))
+          << degree << " " << j;
+  }
+}
+
 TEST(Bernstein, IsTheSamePolynomialOnAPartOfItsInterval) {
   for (std::size_t degree = 1; degree <= Bernstein::max_degree; ++degree) {
     const Bernstein p = polynomial(degree, [](double s) { return std::cos(4.0 * s); });

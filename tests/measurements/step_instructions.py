@@ -1,8 +1,9 @@
-"""Instructions of a step, by method: told in docs/internals/design.md, "The size of the house".
+"""Instructions of a step, by method: told in docs/internals/design.md, "The size of the house", and of ten bars for those
+of one in docs/bars-in-line.md.
 
-python3 tests/measurements/step_instructions.py PROGRAM [PROGRAM BEFORE]
+python3 tests/measurements/step_instructions.py [--bars] PROGRAM [PROGRAM BEFORE]
 
-Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
+With --bars that of bars in line alone. Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
 start and end is no part of it. It needs valgrind, which knows AVX2 but not AVX-512: build the programs by
 cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
 """
@@ -47,13 +48,19 @@ SCENES = {  # nothing touches; ten contact changes, and a load
     "driven": dict(gap=0.1, load="-0.2+sin(3*t)", mass="redistributed", end=10.0),
 }
 METHODS = ("cvode", "ida", "arkode", "fully_discrete")
-# The same length in one bar and in ten, bonded or pushing each other.
+# The same length in one bar and in ten, bonded or in contacts that are pushed shut.
 BARS = {
-    "one bar": '[bar]\nlength = 1.0\nviscosity = 0.01\n[initial]\nvelocity = -1.0\n',
-    "ten, bonded": "[[bar]]\nlength = 0.1\nviscosity = 0.01\nvelocity = -1.0\n" * 10,
-    "ten, in contact": '[[joint]]\nkind = "contact"\ngap = 1e-3\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\nvelocity = -1.0\n"] * 10),
+    "one bar": "[bar]\nlength = 1.0\nviscosity = 0.01\n",
+    "ten, bonded": "[[bar]]\nlength = 0.1\nviscosity = 0.01\n" * 10,
+    "ten, in contact": '[[joint]]\nkind = "contact"\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\n"] * 10),
 }
-OF_BARS = SCENE[SCENE.index("[left]"):SCENE.index("[initial]")] + SCENE[SCENE.index("[load]"):]
+OF_BARS = """
+[left]
+kind = "fixed"
+[right]
+kind = "free"
+force = "-2-sin(2*t)"
+""" + SCENE[SCENE.index("[load]"):].replace("1e-6", "1e-3", 1)
 
 
 def count(job):
@@ -75,14 +82,17 @@ def scene_text(scene, elements, method, times):
     if scene in SCENES:
         keys = SCENES[scene]
         return SCENE.format(**{**keys, "end": times * keys["end"], "elements": elements, "method": method})
-    return BARS[scene] + OF_BARS.format(gap=0.1, load="-0.2+sin(3*t)", end=3.0 * times, elements=elements, mass="fourth_order", method=method)
+    end = 5.0 if method == "rigid" else 0.5  # its steps are long
+    return BARS[scene] + OF_BARS.format(load="-0.2+sin(3*t)", end=end * times, elements=elements, mass="fourth_order", method=method)
 
 
 def main():
-    programs = [os.path.abspath(path) for path in sys.argv[1:3]]
+    bars_alone = sys.argv[1:2] == ["--bars"]
+    programs = [os.path.abspath(path) for path in sys.argv[1 + bars_alone:]]
     rows = [(scene, elements, method) for scene, all_elements in (("flight", (27, 200, 1000)), ("driven", (200,)))
-            for elements in all_elements for method in METHODS]
-    rows += [(scene, 100, method) for scene in BARS for method in (*METHODS, "rigid")]
+            for elements in all_elements for method in METHODS if not bars_alone]
+    rows += [(scene, elements, method) for method in (*METHODS, "rigid", "exponential") for elements in (100, 1000)
+             for scene in BARS if method != "exponential" or elements == 100]
     jobs = []
     for program in programs:
         known = subprocess.run([program, "run", "--help"], capture_output=True, text=True).stdout
@@ -93,14 +103,16 @@ def main():
         found = list(pool.map(count, jobs))
     pairs = [found[k:k + 2] for k in range(0, len(found), 2)]
     of_program = [pairs[k:k + len(rows)] for k in range(0, len(pairs), len(rows))]
-    print("| scene | elements | method | steps | instructions of a step | before, steps | instructions | ratio |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("| scene | elements | method | steps | instructions of a step | of one bar's | before, steps | instructions | of one bar's | ratio |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    of_one_bar = {}
     for k, (scene, elements, method) in enumerate(rows):
         cells, each = [], []
         for of in of_program:
             (first, few), (second, many) = of[k]
             each.append((second - first) / (many - few))
-            cells += [str(many - few), f"{each[-1]:,.0f}"]
+            one = of_one_bar.setdefault((elements, method, len(each)), each[-1]) if scene in BARS else None
+            cells += [str(many - few), f"{each[-1]:,.0f}", f"{each[-1] / one:.2f}" if one else ""]
         if len(each) == 2:
             cells.append(f"{each[0] / each[1]:.2f}")
         print(f"| {scene} | {elements} | {method} | {' | '.join(cells)} |")

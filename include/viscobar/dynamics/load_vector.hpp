@@ -59,6 +59,7 @@ class LoadVector {
   template <class Add>
   void add_moments(double t, std::size_t first, std::size_t last, Add&& add) const;  // of elements [first, last)
   double distributed(double t, std::size_t node) const;
+  double separable_history(double t) const;
   void add_inputs(double t);
   std::array<double, 2> end_forces(double t) const;
   Lift lift(double t, int derivative) const;
@@ -70,6 +71,8 @@ class LoadVector {
   std::vector<double> nodal_, weighted_;
   std::vector<LoadVector> difference_;  // loads of the two systems of Difference, or none
   std::optional<double> time_;
+  mutable std::optional<double> history_time_;  // of history_, which many nodes ask for at one time
+  mutable double history_ = 0.0;
   std::vector<NextBreak> breaks_;
   NextBreakAt breaks_at_;
   std::vector<double> next_;  // breaks of the whole load, and of it at each node, where that has its own

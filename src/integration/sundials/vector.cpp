@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <experimental/simd>
 
@@ -209,15 +210,28 @@ int linear_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexc
   return 0;
 }
 
+// Up to eight terms a turn, so that a sum is rarely stored between them.
 int probed_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
   const Probed& probed = *content(z).probed;
   double* out = array(z).data();
   for (const std::size_t i : probed.selected) out[i] = 0.0;
-  for (int k = 0; k < count; ++k) {
-    if (c[k] == 0.0) continue;  // a derivative at the end of a step is a single term
-    const double* from = array(x[k]).data();
-    for (const std::size_t i : probed.selected) out[i] += c[k] * from[probed.entries[i]];
+  std::size_t k = 0, end = static_cast<std::size_t>(count);
+  const auto add = [&]<std::size_t... of>(std::index_sequence<of...>) {
+    const std::array factors = {c[k + of]...};
+    const std::array from = {static_cast<const double*>(array(x[k + of]).data())...};
+    for (const std::size_t i : probed.selected) {
+      const std::size_t entry = probed.entries[i];
+      out[i] = (out[i] + ... + (factors[of] * from[of][entry]));
+    }
+    k += sizeof...(of);
+  };
+  while (end > 0 && c[end - 1] == 0.0) --end;  // a derivative at the end of a step is a single term
+  while (k < end && c[k] == 0.0) ++k;
+  while (k + 8 <= end) add(std::make_index_sequence<8>());
+  [&]<std::size_t... rest>(std::index_sequence<rest...>) {
+    ((k + rest + 1 == end ? add(std::make_index_sequence<rest + 1>()) : void()), ...);
   }
+  (std::make_index_sequence<7>());
   return 0;
 }
 
