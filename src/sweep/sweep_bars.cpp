@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <new>
 #include <set>
 #include <stdexcept>
@@ -13,28 +11,12 @@
 #include "case/run_cost.hpp"
 #include "input/described_scene.hpp"
 #include "input/toml_text.hpp"
-#include "run/stopwatch.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/studies/ensemble/ensemble.hpp"
 
 namespace viscobar {
 
 namespace {
-
-Case case_with(const SweepFile& sweep, std::span<const double> values) {
-  std::vector<Setting> settings = sweep.settings;
-  for (std::size_t k = 0; k < values.size(); ++k)
-    settings.emplace_back(std::pair(sweep.plan.keys[k].key, SceneValue(values[k])));
-  return parse_scene_with(sweep.scene_text, "scene", settings, {}, Telling::nothing).run;
-}
-
-std::vector<double> values_of(const SweepPlan& plan, std::size_t index) {
-  const std::vector<std::size_t> chosen = plan.choice(index);
-  std::vector<double> values;
-  for (std::size_t k = 0; k < chosen.size(); ++k)
-    values.push_back(std::get<std::vector<double>>(plan.keys[k].values)[chosen[k]]);
-  return values;
-}
 
 // u_left(0.1), event_2, v[7] of u_left@0.1, events:8, final: a column of each number.
 void add_columns(std::vector<QuantityColumn>& all, const EnsembleOutput& output) {
@@ -73,6 +55,21 @@ void add_columns(std::vector<QuantityColumn>& all, const EnsembleOutput& output)
 
 }  // namespace
 
+Case case_of_bar(const SweepFile& sweep, std::span<const double> values) {
+  std::vector<Setting> settings = sweep.settings;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    settings.emplace_back(std::pair(sweep.plan.keys[k].key, SceneValue(values[k])));
+  return parse_scene_with(sweep.scene_text, "scene", settings, {}, Telling::nothing).run;
+}
+
+std::vector<double> values_of_bar(const SweepPlan& plan, std::size_t index) {
+  const std::vector<std::size_t> chosen = plan.choice(index);
+  std::vector<double> values;
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    values.push_back(std::get<std::vector<double>>(plan.keys[k].values)[chosen[k]]);
+  return values;
+}
+
 std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep) {
   std::vector<std::pair<std::string, std::string>> wrong;
   if (sweep.plan.accuracy)
@@ -90,9 +87,9 @@ std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep) {
   std::string why;
   std::optional<Setup> common;
   for (std::size_t i = 0; i < std::min<std::size_t>(sweep.plan.size(), 100) && !common; ++i) {
-    sweep.ensemble.common = values_of(sweep.plan, i);
+    sweep.ensemble.common = values_of_bar(sweep.plan, i);
     try {
-      Setup setup = resolve(case_with(sweep, sweep.ensemble.common));
+      Setup setup = resolve(case_of_bar(sweep, sweep.ensemble.common));
       const auto found = faults(setup);
       if (found.empty())
         common.emplace(std::move(setup));
@@ -126,59 +123,6 @@ std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep) {
   sweep.ensemble.batch =
       static_cast<std::size_t>(std::clamp(0.2 / estimated_seconds(*common), 1.0, double{most_bars_at_once}));
   return wrong;
-}
-
-std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const SweepCase> cases,
-                               const std::function<bool()>& interrupted) {
-  const WallClock clock;
-  const Stopwatch watch;
-  EnsembleStudy study;
-  std::vector<std::vector<double>> values(sweep.plan.keys.size());
-  for (const SweepCase& one : cases) {
-    const std::vector<double> own = values_of(sweep.plan, one.index);
-    for (std::size_t k = 0; k < own.size(); ++k) values[k].push_back(own[k]);
-  }
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    study.keys.push_back(sweep.plan.keys[k].key);
-    study.values.emplace_back(values[k]);
-  }
-  study.model = [&](std::span<const double> at) { return case_with(sweep, at); };
-  study.outputs = sweep.ensemble.outputs;
-  study.error = sweep.ensemble.error;
-  study.common = sweep.ensemble.common;
-  study.most_messages = cases.size();
-  study.threads = 1;
-  study.stop = interrupted;
-  const EnsembleResult result = ensemble(study);
-  const std::map<std::size_t, std::string> messages(result.messages.begin(), result.messages.end());
-  const auto count = static_cast<double>(cases.size());
-  std::vector<SweepRow> rows;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    const BarStatus status = result.status[i];
-    if (status == BarStatus::not_run) continue;
-    SweepRow row;
-    row.index = cases[i].index;
-    row.completed = status == BarStatus::kept;
-    row.values.clear();
-    for (std::size_t o = 0; o < result.values.size(); ++o) {
-      const std::size_t width = result.outputs[o].width();
-      const auto own = std::span(result.values[o]).subspan(i * width, width);
-      row.values.insert(row.values.end(), own.begin(), own.end());
-    }
-    const bool ran = status == BarStatus::kept || status == BarStatus::not_kept;
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    row.values.push_back(ran ? static_cast<double>(result.steps[i]) : none);
-    row.values.push_back(ran ? static_cast<double>(result.ways[i] == BarWay::lanes) : none);
-    if (study.error) row.values.push_back(result.error[i]);
-    if (const auto message = messages.find(i); message != messages.end())
-      row.error = fitting(one_line(message->second));
-    else if (status == BarStatus::not_kept)
-      row.error = fmt::format("the error that was asked for is not kept: {:.3g}", result.error[i]);
-    row.seconds = clock.seconds() / count;
-    row.integration_seconds = watch.seconds() / count;
-    rows.push_back(std::move(row));
-  }
-  return rows;
 }
 
 }  // namespace viscobar

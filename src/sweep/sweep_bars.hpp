@@ -17,6 +17,10 @@ inline constexpr std::size_t most_bar_columns = 200;
 /// scene, and a message.
 std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep);
 
+/// Values of the keys in a case, which are numbers, and the case of values.
+std::vector<double> values_of_bar(const SweepPlan& plan, std::size_t index);
+Case case_of_bar(const SweepFile& sweep, std::span<const double> values);
+
 /// A message that fits into a row.
 std::string fitting(std::string text);
 

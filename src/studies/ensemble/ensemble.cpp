@@ -253,10 +253,6 @@ class EnsembleRun {
 
 }  // namespace
 
-bool is_shared_by_bars(std::string_view key) {
-  return key == "time.end" || key == "mesh.elements" || key == "mesh.grading" || key == "output.every";
-}
-
 EnsembleResult ensemble(const EnsembleStudy& study) { return EnsembleRun(study)(); }
 
 }  // namespace viscobar

@@ -40,6 +40,10 @@ std::size_t EnsembleOutput::width() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }
 
+bool is_shared_by_bars(std::string_view key) {
+  return key == "time.end" || key == "mesh.elements" || key == "mesh.grading" || key == "output.every";
+}
+
 EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
   using Kind = EnsembleOutput::Kind;
   EnsembleOutput output;
