@@ -76,19 +76,9 @@ inline void count_change(Statistics& statistics, Event& event) {
   ++statistics.events;
   if (!statistics.account) return;
   statistics.account->count(event);
-  const RunAccount& account = *statistics.account;
-  if (event.where == Where::span) {
-    if (event.change == Change::opening && account.span.closed() == 0) event.peak = account.span.latest;
-    return;
-  }
-  const auto tell = [&event](const auto& contact) {
-    event.impulse = contact.impulse;
-    if (event.change == Change::opening) event.peak = contact.latest;
-  };
-  if (event.where == Where::joint)
-    tell(account.joints[event.node - 1]);
-  else
-    tell(event.where == Where::left ? account.left : account.right);
+  const ContactAccount& account = statistics.account->of(event);
+  if (event.where != Where::span) event.impulse = account.impulse;
+  if (event.change == Change::opening && !account.contact.closed_since) event.peak = account.latest;
 }
 
 /// The state of a method, archived by its members(), put into a checkpoint or taken from one.
