@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dynamics/pieces.hpp"
+#include "dynamics/assembly/assembled.hpp"
 
 namespace viscobar {
 

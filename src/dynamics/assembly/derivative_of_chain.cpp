@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "dynamics/assembly/assembled.hpp"
 #include "dynamics/derivative.hpp"
 #include "dynamics/load/nodal_load.hpp"
-#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 

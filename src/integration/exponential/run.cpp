@@ -413,7 +413,7 @@ void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
   if (system_.frame().moving())
     velocity += system_.frame().lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
-  notifier_.event(t_, system_.unknowns(), penalised_.contacts()[c],
+  notifier_.event(t_, system_.unknowns().first_node(), penalised_.contacts()[c],
                   penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }
 
