@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "dynamics/energy_terms.hpp"
 #include "dynamics/lost_inertia.hpp"
+#include "integration/energy_flow.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
@@ -216,14 +216,8 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
 void Leg::account_rates(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a,
                         std::span<double> y_rate) {
   if (layout.account() == 0) return;
-  const double loss = frame_loss(system.bar(), t, w);
-  if (layout.dissipated) y_rate[*layout.dissipated] = dissipated_power(system.contacts(), w) + loss;
-  if (layout.dissipated && system.contacts().bend()) y_rate[*layout.dissipated] += stop_loss(system.contacts(), u, w);
-  if (layout.work) y_rate[*layout.work] = system.load().power(t, w) + loss;
-  if (!layout.end_inertia) return;
-  const auto [all, of_frame] = end_power(system, t, u, w, a);
-  y_rate[*layout.end_inertia] = all;
-  if (layout.work) y_rate[*layout.work] += of_frame;
+  const std::array<double, 3> rates = energy_rates(system, layout, t, u, w, [a] { return a; });
+  std::copy_n(rates.begin(), layout.account(), y_rate.begin() + static_cast<std::ptrdiff_t>(2 * layout.nodes));
 }
 
 NonlinearSolver make_step_solver(Leg& leg, const Context& context) {
