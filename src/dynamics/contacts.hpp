@@ -68,7 +68,7 @@ struct ContactNode : Contact {
   /// The contact on the other side of a rigid body whose row that is: the row has its force, too.
   std::optional<std::size_t> beyond{};
   /// The law alone tells the force, and no row: that of a penalty on a rigid body without a bar, of an obstacle where
-  /// another contact meets the body; of a rigid contact where bodies alone lie between it and obstacles on both sides.
+  /// another contact meets the body.
   bool by_law = false;
   /// While closed it holds its node at -s gap: a rigid one does, and a spring on a massless node that gives way by less
   /// than the rounding of the strain, kappa > (1 + eta / (h sqrt(E rho))) / rounding.

@@ -24,9 +24,6 @@ namespace {
 PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalty, const StartingPoint& start,
                  std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
   PenalisedSystem system(bar, penalty);
-  for (std::size_t i = 0; i < system.contacts().size(); ++i)
-    if (system.contacts()[i].rigid && system.contacts()[i].by_law)
-      throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
   const Layout layout(system, observers.energy, observers.directions.size());
   std::unique_ptr<Sensitivities> sensitivities;
   if (!observers.directions.empty())
