@@ -13,10 +13,8 @@ namespace viscobar {
 ///     (K x)_i = (x_i - x_{i-1}) / h_i + (x_i - x_{i+1}) / h_{i+1},       x = 0 at a fixed end.
 class UnitStiffness {
  public:
-  explicit UnitStiffness(const BarSystem& bar)
-      : UnitStiffness(bar, [&](std::size_t e) { return 1.0 / bar.elements().stretch(e); }) {}
-  /// With springs of_element(e) in place of them.
-  UnitStiffness(const BarSystem& bar, auto&& of_element) {
+  explicit UnitStiffness(const BarSystem& bar) {
+    const auto of_element = [&](std::size_t e) { return 1.0 / bar.elements().stretch(e); };
     const std::size_t first = bar.unknowns().first_node();
     for (std::size_t i = 0; i + 1 < bar.size(); ++i) coupling_.push_back(of_element(first + i));
     if (bar.unknowns().left_fixed()) ground_[0] = of_element(std::size_t{0});
@@ -37,13 +35,6 @@ class UnitStiffness {
       here = next;
     }
     out[n - 1] = before + ground_[1] * here;
-  }
-
-  /// Terms of the displacements `left` and `right` of the fixed ends.
-  template <class Out>
-  void add_walls(double left, double right, Out&& out) const {
-    out[0] -= ground_[0] * left;
-    out[coupling_.size()] -= ground_[1] * right;
   }
 
  private:

@@ -44,11 +44,6 @@ Direction still(const BarSystem& bar, const Scene& of) {
 
 }  // namespace
 
-std::span<Derivative* const> Sensitivities::derive(const Penalty& penalty) {
-  for (const Direction& direction : directions_) pointers_.push_back(&all_.emplace_back(system_, penalty, direction));
-  return pointers_;
-}
-
 Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions)
     : system_(system),
       contacts_(system.contacts()),
@@ -56,13 +51,13 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       restitution_(penalty.restitution),
       time_direction_(still(system.bar(), directions.front().data)),
       time_(system, penalty, time_direction_),
-      moment_(system, derive(penalty)),
       w_(system.size()),
       acceleration_(system.size()),
       load_rate_(system.size()),
       parted_(system.size()),
       shifts_(directions.size()),
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
+  for (const Direction& direction : directions_) pointers_.push_back(&all_.emplace_back(system_, penalty, direction));
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().load().add(load_rate_, {});
@@ -102,7 +97,7 @@ Moment Sensitivities::look_at(double t, std::span<double> y) {
   system_.complete_velocity(t, u, w_);
   system_.force(t, u, w_, acceleration_);
   system_.accelerate(acceleration_);
-  return moment_(t, u, w_, acceleration_);
+  return {t, u, w_, acceleration_};
 }
 
 void Sensitivities::complete(Derivative& derivative, const Moment& at, const Block& s) {
@@ -246,14 +241,13 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   const bool rebounds = struck && !contacts_.closed(i);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
-      // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact, in parts that do not depend on the
-      // parameter but where those of a chain have their own: by -(rho M)^{-1} (rho M)' (v+ - v-), d.v left out.
+      // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact: in parts that change by -(rho M)^{-1}
+      // (rho M)' (v+ - v-), d.v left out.
       const double left = contact.of(s.w());
       const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * came : 0.0;
       double share = (reflected - left) / (goes - came);
-      if (derivative.matrix_rates().chain) {
-        for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
-        derivative.multiply_chain_inertia(load_rate_, parted_);
+      for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
+      if (derivative.multiply_inertia(load_rate_, parted_)) {
         system_.accelerate(parted_);
         share += contact.of(parted_) / (goes - came);
         for (std::size_t j = 0; j < n; ++j) s[n + j] -= parted_[j];

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"
@@ -61,7 +61,7 @@ class Sensitivities {
   void pass_start(JumpFilter& filter, double t, std::span<double> y, Jump&& jump) {
     if (!lost()) {
       book_momentum(t, 1.0, y);
-      const Moment at = moment_(t, layout_->u(y), layout_->w(y), {});
+      const Moment at{t, layout_->u(y), layout_->w(y), {}};
       each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
         derivative.take_contacts();
         derivative.drive(at);
@@ -98,7 +98,6 @@ class Sensitivities {
   struct Field {
     std::vector<double> u, v;
   };
-  std::span<Derivative* const> derive(const Penalty& penalty);
   bool lost() const { return account_->lost.has_value(); }
   Moment look_at(double t, std::span<double> y);
   // use(k, derivative k, its block of y)
@@ -129,7 +128,6 @@ class Sensitivities {
   std::vector<Derivative*> pointers_;
   Direction time_direction_;
   Derivative time_;  // whose motion is (v, a)
-  MomentBuilder moment_;
   const Layout* layout_ = nullptr;
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;

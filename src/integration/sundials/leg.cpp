@@ -153,7 +153,7 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   }
   if (derivatives.empty()) return;
   for (std::size_t i = 0; i < n; ++i) new_w[i] = w[i] + x_w[i];
-  const Moment at = (*moment)(t, new_u, new_w, acceleration);
+  const Moment at{t, new_u, new_w, acceleration};
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     derivatives[k]->drive(at);
     const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
@@ -188,7 +188,7 @@ void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
 
 void Leg::derivative_rates(double t, std::span<const double> y, std::span<double> y_rate) {
   if (derivatives.empty()) return;
-  const Moment at = (*moment)(t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate));
+  const Moment at{t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate)};
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     Derivative& derivative = *derivatives[k];
     derivative.drive(at);
