@@ -75,7 +75,7 @@ class Run {
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
 
   Statistics reached();
-  [[noreturn]] void fail(Failure why, const std::exception& cause);
+  void close_energy();  // of a run that could not go on
 
   double energy_of_followers();
   void enter_piece();  // of time, from here on, in which the load is smooth
