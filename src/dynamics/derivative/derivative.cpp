@@ -235,14 +235,14 @@ void Derivative::drive(const Moment& at) {
   } else {
     std::ranges::fill(added_, 0.0);
   }
-  matrices_.subtract_elastic(in_frame(at.u), added_);
-  matrices_.subtract_viscous(bar.unknowns().at_nodes(at.w), added_);
+  matrices_.elastic().subtract(in_frame(at.u), added_);
+  matrices_.viscous().subtract(bar.unknowns().at_nodes(at.w), added_);
   if (lifts) add_lift(lift_[0], lift_[1], lift_[2], added_);
   std::array<double, 2> rates{};  // of the rows of ends that follow
   for (const bool right : {false, true}) {
     const std::size_t end = bar.unknowns().end(right);
     if (n > 1 && bar.inertia().massless(end) && !bar.bar().damped())
-      rates[right] = -matrices_.elastic(bar.elements().beside(end)) *
+      rates[right] = -matrices_.elastic()[bar.elements().beside(end)] *
                      (stretch(end, at.w, {}, bar) + (lifts ? lift_stretch(end, lift_[1]) : 0.0));
   }
   if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.unknowns().first_node(), n, added_);
@@ -268,8 +268,8 @@ void Derivative::drive(const Moment& at) {
 
 // Adds the force of the lift alone, without that of a side and of the ends.
 void Derivative::add_lift(const Lift& lift, const Lift& rate, const Lift& acceleration, std::span<double> out) const {
-  matrices_.subtract_elastic(lifted(lift), out);
-  matrices_.subtract_viscous(lifted(rate), out);
+  matrices_.elastic().subtract(lifted(lift), out);
+  matrices_.viscous().subtract(lifted(rate), out);
   for (std::size_t i = 0; i < out.size(); ++i) out[i] -= lift_inertia(i, acceleration);
 }
 
@@ -296,7 +296,7 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
 double Derivative::drive_row(std::size_t end, double t, double u, double u_next, double w, double w_next) const {
   const double apart = contacts_.origin().at(end == 0 ? 1 : end - 1) - contacts_.origin().at(end);
   const std::size_t element = system_.bar().elements().beside(end);
-  const double elastic = matrices_.elastic(element), viscous = matrices_.viscous(element);
+  const double elastic = matrices_.elastic()[element], viscous = matrices_.viscous()[element];
   double sum = elastic * (u_next - u + apart) + viscous * (w_next - w);
   if (system_.bar().frame().moving())
     sum -=

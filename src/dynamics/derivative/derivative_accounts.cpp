@@ -11,7 +11,7 @@ namespace viscobar {
 double Derivative::holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const {
   const std::size_t element = right ? system_.bar().mesh().elements - 1 : 0;
   const auto stretch = [&](std::span<const double> x) { return x[element + 1] - x[element]; };
-  const double pull = matrices_.elastic(element) * stretch(bar.u) + matrices_.viscous(element) * stretch(bar.v);
+  const double pull = matrices_.elastic()[element] * stretch(bar.u) + matrices_.viscous()[element] * stretch(bar.v);
   double inertia = 0.0;
   for (std::size_t k = 0; k < std::min<std::size_t>(3, bar.a.size()); ++k)
     inertia += matrices_.held(right)[k] * bar.a[right ? bar.a.size() - 1 - k : k];
@@ -36,9 +36,9 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   double sum =
       row(bar.inertia().matrix(), rate) + (matrices_.inertial() ? row(matrices_.inertia(), at.w) : 0.0) +
       bar.bar().viscosity / bar.elements().rate_stretch(bar.elements().beside(end)) * stretch(end, s, {}, data_) +
-      matrices_.viscous(bar.elements().beside(end)) * stretch(end, at.u, contacts_.origin().values(), bar);
+      matrices_.viscous()[bar.elements().beside(end)] * stretch(end, at.u, contacts_.origin().values(), bar);
   if (bar.frame().moving())
-    sum += lift_inertia(end, lift_[1]) + matrices_.viscous(bar.elements().beside(end)) * lift_stretch(end, lift_[0]);
+    sum += lift_inertia(end, lift_[1]) + matrices_.viscous()[bar.elements().beside(end)] * lift_stretch(end, lift_[0]);
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.dashpot * s[end];
   if (const SideRows* own = bar.side()) {
@@ -58,7 +58,8 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
 double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
   const BarSystem& bar = system_.bar();
   const std::size_t element = bar.elements().beside(end);
-  double sum = bar.bar().modulus / bar.elements().stretch(element) * s_stretch + matrices_.elastic(element) * u_stretch;
+  double sum =
+      bar.bar().modulus / bar.elements().stretch(element) * s_stretch + matrices_.elastic()[element] * u_stretch;
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.stiffness * s;
   for (const Support& support : supports_)
@@ -71,7 +72,7 @@ double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<co
   const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, contacts_.origin().values(), bar),
                                  s[end], stretch(end, s, {}, data_));
   return sum + side_row(end, placed(at.u), data_.unknowns().displacement_at_nodes(s)) +
-         (bar.frame().moving() ? matrices_.elastic(bar.elements().beside(end)) * lift_stretch(end, lift_[0]) : 0.0) -
+         (bar.frame().moving() ? matrices_.elastic()[bar.elements().beside(end)] * lift_stretch(end, lift_[0]) : 0.0) -
          (motion_.load().at(end, at.t) - added_[end]);
 }
 
@@ -99,7 +100,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   for (std::size_t j = 0; j < mesh.elements; ++j) {
     const double strain = u[j + 1] - u[j], of_strain = of_u[j + 1] - of_u[j];
     sum += bar.bar().modulus / bar.elements().stretch(j) * strain * of_strain +
-           0.5 * matrices_.elastic(j) * strain * strain;
+           0.5 * matrices_.elastic()[j] * strain * strain;
   }
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));
@@ -134,8 +135,8 @@ std::vector<double> Derivative::joint_forces(const Moment& at, std::span<const d
     if (!joint.contact) {
       forces.push_back(-joint.stiffness * apart(data_.unknowns().displacement_at_nodes(s)) -
                        joint.damping * apart(data_.unknowns().at_nodes(rate)) -
-                       matrices_.elastic(element) * apart(bar.unknowns().displacement_at_nodes(at.u)) -
-                       matrices_.viscous(element) * apart(bar.unknowns().at_nodes(at.w)));
+                       matrices_.elastic()[element] * apart(bar.unknowns().displacement_at_nodes(at.u)) -
+                       matrices_.viscous()[element] * apart(bar.unknowns().at_nodes(at.w)));
       continue;
     }
     for (std::size_t i = 0; i < contacts_.size(); ++i)

@@ -30,14 +30,16 @@ void add_difference(const BandedMatrix& a, const BandedMatrix& b, double times, 
     add(a.one_sided[r].entries, b.one_sided[r].entries, to.one_sided[r].entries);
 }
 
-void clear_zeros(std::vector<double>& values) {
-  if (std::ranges::all_of(values, [](double value) { return value == 0.0; })) values.clear();
+// None where all are 0.
+ElementSprings springs_of(const BarSystem& bar, std::vector<double> springs) {
+  if (std::ranges::all_of(springs, [](double spring) { return spring == 0.0; })) springs.clear();
+  return {bar.unknowns(), std::move(springs)};
 }
 
 }  // namespace
 
-MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const LoadDifference* difference)
-    : first_(bar.unknowns().first_node()), size_(bar.size()), elastic_(bar.mesh().elements, 0.0), viscous_(elastic_) {
+MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const LoadDifference* difference) {
+  std::vector<double> elastic(bar.mesh().elements, 0.0), viscous(elastic);
   const std::vector<Piece>& pieces = bar.elements().pieces();
   const std::array massless = {bar.inertia().massive_begin() == 1, bar.inertia().massive_end() < bar.size()};
   const double mass = bar.bar().density * bar.bar().length, spring = bar.bar().modulus / bar.bar().length;
@@ -58,8 +60,8 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
       const double modulus = rates.modulus - piece.bar.modulus * stretched;
       const double viscosity = rates.viscosity - piece.bar.viscosity * stretched;
       for (std::size_t e = 0; e < piece.mesh.elements; ++e) {
-        elastic_[piece.first + e] = modulus / piece.stretch(e);
-        viscous_[piece.first + e] = viscosity / piece.stretch(e);
+        elastic[piece.first + e] = modulus / piece.stretch(e);
+        viscous[piece.first + e] = viscosity / piece.stretch(e);
       }
       inertial |= growth(p) != 0.0;
       if (direction.members.empty()) of_bar_ = {growth(p) / piece.bar.density, viscosity, modulus};
@@ -68,7 +70,7 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
     }
     if (p + 1 == pieces.size() || direction.data.chain[p].joint.kind != JointKind::spring) continue;
     const Joint& joint = direction.members[p].joint;
-    elastic_[piece.last()] = joint.stiffness, viscous_[piece.last()] = joint.damping;
+    elastic[piece.last()] = joint.stiffness, viscous[piece.last()] = joint.damping;
     change(joint.stiffness, direction.data.chain[p].joint.stiffness);
     change(joint.damping, std::sqrt(mass * spring));
   }
@@ -80,19 +82,19 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
     for (std::size_t p = 0; p < pieces.size(); ++p)
       if (pieces[p].rigid()) whole_.diagonal[pieces[p].first] += direction.members[p].mass;
   }
-  if (difference) take_difference(bar, direction, *difference, massless);
+  if (difference) take_difference(bar, direction, *difference, massless, elastic, viscous);
   if (!whole_.diagonal.empty()) {
-    inertia_ = restrict_to(whole_, first_, size_);
+    inertia_ = restrict_to(whole_, bar.unknowns().first_node(), bar.size());
     held_ = {whole_.end_row(false), whole_.end_row(true)};
   }
   if (!bar.frame().moving()) whole_ = {};
-  clear_zeros(elastic_);
-  clear_zeros(viscous_);
+  elastic_ = springs_of(bar, std::move(elastic)), viscous_ = springs_of(bar, std::move(viscous));
 }
 
 // Central differences: of scenes 1e-5 apart they keep ten digits.
 void MatrixRates::take_difference(const BarSystem& bar, const Direction& direction, const LoadDifference& difference,
-                                  const std::array<bool, 2>& massless) {
+                                  const std::array<bool, 2>& massless, std::vector<double>& elastic,
+                                  std::vector<double>& viscous) {
   const Direction::Beside& beside = *direction.beside;
   const double times = difference.times;
   const BarSystem &after = *difference.after, &before = *difference.before;
@@ -104,8 +106,8 @@ void MatrixRates::take_difference(const BarSystem& bar, const Direction& directi
     const auto add = [&](double Bar::*number, double stretch_after, double stretch_before, double& rate) {
       rate += times * (after.bar().*number / stretch_after - before.bar().*number / stretch_before);
     };
-    add(&Bar::modulus, after.elements().stretch(e), before.elements().stretch(e), elastic_[e]);
-    add(&Bar::viscosity, after.elements().rate_stretch(e), before.elements().rate_stretch(e), viscous_[e]);
+    add(&Bar::modulus, after.elements().stretch(e), before.elements().stretch(e), elastic[e]);
+    add(&Bar::viscosity, after.elements().rate_stretch(e), before.elements().rate_stretch(e), viscous[e]);
     relative_change_ =
         std::max(relative_change_, std::abs(after.elements().stretch(e) / before.elements().stretch(e) - 1.0) * times);
   }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/element_springs.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 
@@ -35,49 +36,20 @@ class MatrixRates {
   /// Entries of its row of a fixed end, inwards.
   const std::array<double, 3>& held(bool right) const { return held_[right]; }
 
-  /// Derivatives of E and of eta over int dx / A of an element.
-  double elastic(std::size_t element) const { return elastic_.empty() ? 0.0 : elastic_[element]; }
-  double viscous(std::size_t element) const { return viscous_.empty() ? 0.0 : viscous_[element]; }  ///< of eta
-  /// out[i] -= ((E K)' u)_i of displacements u(j) of all nodes, numbers or what is added and multiplied as such.
-  template <class Out>
-  void subtract_elastic(auto&& u, Out&& out) const {
-    subtract(elastic_, u, out);
-  }
-  /// out[i] -= ((eta K)' w)_i
-  template <class Out>
-  void subtract_viscous(auto&& w, Out&& out) const {
-    subtract(viscous_, w, out);
-  }
+  const ElementSprings& elastic() const { return elastic_; }  ///< (E K)': rates of E over int dx / A of each element
+  const ElementSprings& viscous() const { return viscous_; }  ///< (eta K)'
 
   /// Relative change of what bars, bodies and joints are made of.
   double relative_change() const { return relative_change_; }
 
  private:
   void take_difference(const BarSystem& bar, const Direction& direction, const LoadDifference& difference,
-                       const std::array<bool, 2>& massless);
-  // Springs of elements between neighbouring nodes, by differences, which keep the digits of what is all but constant.
-  void subtract(const std::vector<double>& springs, auto&& x, auto&& out) const {
-    if (springs.empty()) return;
-    auto here = x(first_);
-    auto before = 0.0 * here;
-    if (first_ > 0) before = springs[first_ - 1] * (here - x(first_ - 1));
-    for (std::size_t i = 0, j = first_; i < size_; ++i, ++j) {
-      auto after = 0.0 * here;
-      if (j < springs.size()) {
-        const auto next = x(j + 1);
-        after = springs[j] * (next - here);
-        here = next;
-      }
-      out[i] = out[i] + (after - before);
-      before = after;
-    }
-  }
+                       const std::array<bool, 2>& massless, std::vector<double>& elastic, std::vector<double>& viscous);
 
-  std::size_t first_, size_;  // node of unknown 0, unknowns
   OfBar of_bar_;
   BandedMatrix inertia_, whole_;
   std::array<std::array<double, 3>, 2> held_{};
-  std::vector<double> elastic_, viscous_;  // of each element; empty: zeros
+  ElementSprings elastic_, viscous_;
   double relative_change_ = 0.0;
 };
 

@@ -11,8 +11,8 @@ namespace viscobar {
 void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
                              std::span<double> force) const {
   const auto at = [this](std::span<const double> of) { return bar_.unknowns().at_nodes(of); };
-  derivative.matrices().subtract_elastic(at(x), force);
-  derivative.matrices().subtract_viscous(at(x_rate), force);
+  derivative.matrices().elastic().subtract(at(x), force);
+  derivative.matrices().viscous().subtract(at(x_rate), force);
   if (const SideRows* side = derivative.side())
     side->subtract(side->resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
   for (const auto& [node, stiffness, dashpot, mass] : derivative.supports())

@@ -66,7 +66,7 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
     systems.multiply_stiffness(w, part.stiff_rate);
     const auto of_w = system_.bar().unknowns().at_nodes(begin_.w);
     const auto opposed = [&](std::size_t j) { return -of_w(j); };
-    derivative.matrices().subtract_elastic(opposed, part.stiff_rate);
+    derivative.matrices().elastic().subtract(opposed, part.stiff_rate);
     for (const Support& support : derivative.supports())
       part.stiff_rate[support.unknown] += support.stiffness * begin_.w[support.unknown];
     if (const SideRows* side = derivative.side())
@@ -95,8 +95,8 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
     multiply(matrices.inertia(), motion, x);
     for (Complex& one : x) one = -1.0 * formula.poles * one;
   }
-  matrices.subtract_elastic(times(elastic(0.0, 1.0)), x);
-  matrices.subtract_viscous(times(elastic(1.0, 0.0)), x);
+  matrices.elastic().subtract(times(elastic(0.0, 1.0)), x);
+  matrices.viscous().subtract(times(elastic(1.0, 0.0)), x);
   for (const auto& [unknown, stiffness, dashpot, mass] : derivative.supports())
     x[unknown] = x[unknown] - (elastic(dashpot, stiffness) + mass * formula.poles) * motion[unknown];
   if (const SideRows* side = derivative.side())
