@@ -95,8 +95,7 @@ Moment Sensitivities::look_at(double t, std::span<double> y) {
   const std::span<const double> u = layout_->u(y);
   std::ranges::copy(layout_->w(y), w_.begin());
   system_.complete_velocity(t, u, w_);
-  system_.force(t, u, w_, acceleration_);
-  system_.accelerate(acceleration_);
+  system_.acceleration(t, u, w_, acceleration_);
   return {t, u, w_, acceleration_};
 }
 

@@ -179,11 +179,16 @@ void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<cons
 
 void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
   const std::span<double> w = layout.u(rate), a = layout.w(rate);
-  system.force(t, layout.u(y), w, a);
-  system.accelerate(a);
+  system.acceleration(t, layout.u(y), w, a);
   account_rates(t, layout.u(y), w, a, rate);
   derivative_rates(t, y, rate);
   ++statistics.rhs_evaluations;
+}
+
+void Leg::right_hand_side(double t, std::span<double> y, std::span<double> rate) {
+  std::ranges::copy(layout.w(y), rate.begin());
+  system.complete_velocity(t, layout.u(y), layout.u(rate));
+  evaluate(t, y, rate);
 }
 
 void Leg::derivative_rates(double t, std::span<const double> y, std::span<double> y_rate) {
@@ -196,8 +201,7 @@ void Leg::derivative_rates(double t, std::span<const double> y, std::span<double
     const auto rate = layout.derivative(y_rate, k);
     std::ranges::copy(s.w(), rate.begin());
     derivative.motion().complete_velocity(t, s.u(), rate.u());
-    derivative.motion().force(t, s.u(), rate.u(), rate.w());
-    derivative.motion().accelerate(rate.w());
+    derivative.motion().acceleration(t, s.u(), rate.u(), rate.w());
     impulse_rates(derivative, at, s.u(), {}, rate.impulses());
   }
 }

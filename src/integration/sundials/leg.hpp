@@ -63,6 +63,8 @@ class Leg {
 
   /// Completes the rate of a state y whose velocities, those of massless nodes included, are layout.u(rate).
   void evaluate(double t, std::span<double> y, std::span<double> rate);
+  /// rate = f(t, y), the velocities of massless nodes being those of their rows.
+  void right_hand_side(double t, std::span<double> y, std::span<double> rate);
 
   /// Rates of the impulse entries of a block, whose displacements are s + x.
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
