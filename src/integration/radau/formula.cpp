@@ -218,4 +218,56 @@ Parts Formula::weights_over_pole(const Parts& weights) const {
   return result;
 }
 
+// By the sums of all parts, of four nodes at once.
+Moved move_nodes(double h, std::span<const Complex> of, const std::array<std::size_t, 2>& with_mass,
+                 std::span<const double> begin, std::span<double> end) {
+  const Formula& formula = Formula::get();
+  const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
+  const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
+  std::array<std::array<Lanes, parts>, 4> weights;  // of w, u / h, their errors
+  for (std::size_t l = 0; l < parts; ++l) {
+    weights[0][l] = Lanes{} + w[l];
+    weights[1][l] = Lanes{} + h * u[l];
+    weights[2][l] = Lanes{} + of_w[l];
+    weights[3][l] = Lanes{} + h * of_u[l];
+  }
+  const std::size_t n = of.size(), first = with_mass[0], last = with_mass[1];
+  const double *const begin_u = begin.data(), *const begin_w = begin_u + n;
+  double *const end_u = end.data(), *const end_w = end_u + n;
+  const Complex* const x = of.data();
+  std::array<Lanes, 4> largest{};
+  const auto raise = [](Lanes & most, const Lanes& sum) __attribute__((always_inline)) {
+    const Lanes size = sum < 0.0 ? -sum : sum;
+    most = most > size ? most : size;
+  };
+  const auto move = [&](std::size_t i, bool massive) __attribute__((always_inline)) {
+    const std::array<Lanes, 4> re = transposed({x[i].re, x[i + 1].re, x[i + 2].re, x[i + 3].re});
+    const std::array<Lanes, 4> im = transposed({x[i].im, x[i + 1].im, x[i + 2].im, x[i + 3].im});
+    const auto sum = [&](const std::array<Lanes, parts>& by) __attribute__((always_inline)) {
+      Lanes of_re = by[0] * re[0], of_im = by[lanes] * im[0];
+      for (std::size_t l = 1; l < lanes; ++l) of_re += by[l] * re[l], of_im += by[lanes + l] * im[l];
+      return of_re + of_im;
+    };
+    const Lanes velocity = load_lanes(begin_w + i), rate = sum(weights[0]), way = sum(weights[1]);
+    store_lanes(velocity + rate, end_w + i);
+    store_lanes(load_lanes(begin_u + i) + (h * velocity + way), end_u + i);
+    raise(largest[0], rate);
+    raise(largest[1], way);
+    Lanes of_rate = sum(weights[2]);
+    for (std::size_t k = 0; !massive && k < lanes; ++k)
+      if (i + k < first || i + k >= last) of_rate[k] = 0.0;
+    raise(largest[2], of_rate);
+    raise(largest[3], sum(weights[3]));
+  };
+  // The last ones of the nodes twice, where they are no multiple of four; takes() wants five.
+  move(0, first == 0);
+  for (std::size_t i = lanes; i + lanes < n; i += lanes) move(i, true);
+  move(n - lanes, last == n);
+  const auto most = [&](std::size_t c) {
+    const Lanes& lane = largest[c];
+    return std::max({lane[0], lane[1], lane[2], lane[3]});
+  };
+  return {most(0), most(1), most(2), most(3)};
+}
+
 }  // namespace viscobar::radau

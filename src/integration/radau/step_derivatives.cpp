@@ -188,24 +188,10 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
 // The error of the step.
 double StepDerivatives::move(std::size_t k, std::span<const double> begin, std::span<const double> weights,
                              std::span<double> end) const {
-  const Formula& formula = Formula::get();
-  const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
-  const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
-  std::array<Eigen::Array4d, parts> columns;
-  for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l], of_w[l], h_ * of_u[l]};
-  const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
-                    last = system_.bar().inertia().massive_end();
-  const std::vector<Complex>& x = parts_[k].x;
-  Eigen::Array4d largest = Eigen::Array4d::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    Eigen::Array4d sum = combined(columns, x[i]);
-    end[n + i] = begin[n + i] + sum[0];
-    end[i] = begin[i] + (h_ * begin[n + i] + sum[1]);
-    if (i < first || i >= last) sum[2] = 0.0;  // the velocity of a massless node is dependent
-    largest = largest.max(sum.abs());
-  }
+  const Inertia& inertia = system_.bar().inertia();
+  const Moved moved = move_nodes(h_, parts_[k].x, {inertia.massive_begin(), inertia.massive_end()}, begin, end);
   impulses_at(k, 1.0, begin, end);
-  return std::max(largest[2] * weights[n + first], largest[3] * weights[0]);
+  return std::max(moved.rate_error * weights[layout_.nodes + inertia.massive_begin()], moved.way_error * weights[0]);
 }
 
 void StepDerivatives::impulses_at(std::size_t k, double theta, std::span<const double> before,
