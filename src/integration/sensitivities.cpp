@@ -75,7 +75,7 @@ void Sensitivities::begin(double t, double end, std::span<double> y) {
     const State initial = derivative.initial_state();
     std::ranges::copy(initial.u, s.u().begin());
     std::ranges::copy(initial.v, s.w().begin());
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     complete(derivative, at, s);
     book_momentum(derivative, at, s, -1.0);
   });
@@ -84,7 +84,7 @@ void Sensitivities::begin(double t, double end, std::span<double> y) {
 void Sensitivities::begin_leg(double t, double end, std::span<double> y) {
   const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     derivative.take_contacts();
     if (!lost()) complete(derivative, at, s);
   });
@@ -313,7 +313,7 @@ void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensiti
         acceleration * changes[k].time + bar.frame().lift_at(contact, pointers_[k]->motion().load().lift(t, 1));
 }
 
-// What the state jumps by, without an obstacle, is none of its impulse.
+// Where the state jumps without an obstacle, that is none of its impulse.
 void Sensitivities::book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const {
   layout_->each_impulse(
       [&](std::size_t e, std::size_t node) { s.impulses()[e] += times * derivative.momentum(node, at, s.u(), s.w()); });
@@ -358,7 +358,7 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
     if (!derivative.data().frame().moving()) continue;
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     const Block s = layout_->derivative(y, k);
     try {
       const auto jump = derivative.data().frame().kink(t, end);

@@ -165,11 +165,11 @@ struct RunAccount {
   SpanAccount span;                      ///< of a span obstacle
   std::vector<ContactAccount> joints{};  ///< up to the last that has had a contact change
 
-  /// Of a joint by its number from 1, empty where it is none of those.
+  /// The account of a joint by its number from 1, empty beyond all of those.
   ContactAccount joint(std::size_t number) const {
     return number <= joints.size() ? joints[number - 1] : ContactAccount{};
   }
-  /// Of the contact that changes: one of those above.
+  /// The account of the contact that changes: one of those above.
   ContactAccount& of(const Event& event);
   /// Counts a contact change.
   void count(const Event& event);

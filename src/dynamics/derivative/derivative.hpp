@@ -46,8 +46,6 @@ class Derivative {
   /// and gaps, and the relative change of the coefficients of the bar and its contacts.
   double relative_scale(double end) const;
 
-  /// To be called where a leg begins.
-  void begin_leg(double t, double end) { motion_.load().begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
   const MatrixRates& matrices() const { return matrices_; }        ///< of the bar

@@ -1,4 +1,4 @@
-// What a derivative tells of forces, impulses and energy.
+// Derivatives of forces, impulses and energies.
 #include <algorithm>
 #include <array>
 #include <span>

@@ -54,7 +54,7 @@ void Run::close_energy() {
     const double of_frame = frame_energy(penalised_, t_, u, w);
     statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
     statistics_.energy->work += of_frame;
-  } catch (const std::exception&) {  // what has stopped the run may stop this, too
+  } catch (const std::exception&) {  // the cause of the failure may stop this, too
   }
 }
 
