@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -150,6 +151,17 @@ class Contacts {
   void place(std::size_t i, std::span<double> u) const {
     const std::size_t node = nodes_[i].unknown;
     u[node] = nodes_[i].joint > 0 ? u[node - 1] - offsets_[i] : -nodes_[i].sign * offsets_[i];
+  }
+
+  /// Content of a checkpoint: which are closed, and which have been measured from, as the archived state is.
+  static void members(auto& contacts, auto&& each) {
+    std::vector<unsigned char> measured = contacts.measured_;
+    each(std::span(contacts.closed_), std::span(measured));
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(contacts)>>) {
+      ++contacts.revision_;
+      for (std::size_t i = 0; i < measured.size(); ++i)
+        if (measured[i]) contacts.measure(i, {});
+    }
   }
 
  private:
