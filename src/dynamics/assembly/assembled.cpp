@@ -27,6 +27,13 @@ BandedMatrix restrict_to(const BandedMatrix& matrix, std::size_t first, std::siz
   return part;
 }
 
+double row_sum(const BandedMatrix& matrix, std::size_t i) {
+  double sum = matrix.diagonal[i];
+  if (i > 0 && !matrix.is_diagonal()) sum += matrix.off_diagonal[i - 1];
+  if (i < matrix.off_diagonal.size()) sum += matrix.off_diagonal[i];
+  return sum;
+}
+
 BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
   BandedMatrix whole = assembled(pieces, [&](const Piece& piece) {
     BandedMatrix inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());

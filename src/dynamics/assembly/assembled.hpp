@@ -20,6 +20,9 @@ BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::
 /// The rows and columns [first, first + count) of a matrix.
 BandedMatrix restrict_to(const BandedMatrix& matrix, std::size_t first, std::size_t count);
 
+/// The sum of row i of the symmetric part of a matrix.
+double row_sum(const BandedMatrix& matrix, std::size_t i);
+
 /// The sum of of_piece(piece), a matrix of its nodes; a rigid body has none.
 template <class OfPiece>
 BandedMatrix assembled(const std::vector<Piece>& pieces, OfPiece&& of_piece) {

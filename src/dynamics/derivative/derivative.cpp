@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynamics/assembly/assembled.hpp"
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/indicator.hpp"
 #include "dynamics/load/nodal_load.hpp"
@@ -160,14 +161,14 @@ bool Derivative::multiply_inertia(std::span<const double> x, std::span<double> o
 // m'/m of Inertia::contact_mass, 1/m = d.(rho M)^{-1} d: m d.(rho M)^{-1} (rho M)' (rho M)^{-1} d; under a span
 // obstacle m is the sum of a row.
 double Derivative::mass_growth(const Contact& contact) const {
-  const bool of_row = contact.where == Where::span;
   const Inertia& inertia = system_.bar().inertia();
-  std::vector<double> gained(added_.size(), of_row ? 1.0 : 0.0), lost(gained);
-  if (of_row) {
-    inertia.matrix().multiply(gained, lost);
-    const double mass = lost[contact.unknown];
-    return multiply_inertia(gained, lost) ? lost[contact.unknown] / mass : 0.0;
+  if (contact.where == Where::span) {
+    double rate = matrices_.inertial() ? row_sum(matrices_.inertia(), contact.unknown) : 0.0;
+    for (const Support& support : supports_)
+      if (support.unknown == contact.unknown) rate += support.mass;
+    return rate / inertia.contact_mass(contact);
   }
+  std::vector<double> gained(added_.size()), lost(gained);
   gained[contact.unknown] = 1.0;
   if (contact.joint > 0) gained[contact.unknown - 1] = -1.0;
   inertia.accelerate(gained);
