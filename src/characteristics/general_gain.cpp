@@ -107,8 +107,8 @@ class GeneralGain final : public LoadGain {
       return left.value + right.value;
     if (depth >= shallow) rough_ += 100;  // of halves, and of a search for a jump
     if (rough_ > most_rough)
-      throw RoughLoad(
-          frame_.t(way.time),
+      throw StepFailure(
+          Failure::detail,
           fmt::format("more than {} evaluations of the load for one output or passage of a wave went into "
                       "jumps and kinks that are not where the formula is known to break, as where its breaks "
                       "travel; method.name = \"rigid\" takes such a load on a mesh",

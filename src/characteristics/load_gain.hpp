@@ -18,12 +18,6 @@
 
 namespace viscobar::characteristics {
 
-/// A load that asks for more work than a run should do; it may be sound.
-class RoughLoad : public LoadError {
- public:
-  using LoadError::LoadError;
-};
-
 /// Gain of waves from a load on their way through the bar: a wave that has come the way l, in lengths of the bar, to
 /// the place x at the time tau, in passages, has gained
 ///

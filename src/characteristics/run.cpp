@@ -72,27 +72,23 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
 }
 
 PartEnd Run::operator()() {
-  try {
-    if (from_)
-      go_on(*from_);
-    else
-      begin();
-    for (;; ++k_) {
-      enter();
-      if (auto end = tell_window()) return std::move(*end);
-      if (k_ == last_window_) break;
-      leave();
-      if (worked() > most_work_) return reached();
-    }
-  } catch (const RoughLoad& error) {
-    fail(Failure::detail, error.what());
-  } catch (const LoadError& error) {
-    fail(Failure::load, error.what());
-  } catch (const StepFailure& error) {
-    fail(error.why, error.what());
-  }
-  finish();
-  return reached();
+  return part_or_failure(
+      "characteristics", [&] { return reached(); },
+      [&]() -> PartEnd {
+        if (from_)
+          go_on(*from_);
+        else
+          begin();
+        for (;; ++k_) {
+          enter();
+          if (auto end = tell_window()) return std::move(*end);
+          if (k_ == last_window_) break;
+          leave();
+          if (worked() > most_work_) return reached();
+        }
+        finish();
+        return reached();
+      });
 }
 
 double Run::worked() const {
@@ -125,10 +121,6 @@ Statistics Run::reached() {
                                 rounding * windows * (now_.place_scale + duration * now_.velocity_scale),
                                 now_.velocity_scale};
   return statistics_;
-}
-
-void Run::fail(Failure why, const std::string& what) {
-  throw IntegrationError(why, fmt::format("characteristics stopped at t = {}: {}", t_, what), reached());
 }
 
 void Run::go_on(const Checkpoint& checkpoint) {
@@ -201,11 +193,12 @@ void Run::leave() {
         now_.error += simplify(sent, tolerance, negligible, of_time, scratch_) + sent.left_out();
         simplified = sent.size();
         if (simplified > method_.most_pieces)
-          fail(Failure::detail, fmt::format("{} contact changes{} have broken the waves into more than {} pieces, and "
-                                            "each passage breaks them further: there is no end of the detail that the "
-                                            "exact motion has",
-                                            statistics_.events, bars_.size() > 1 ? " and the bars' interfaces" : "",
-                                            method_.most_pieces));
+          throw StepFailure(
+              Failure::detail,
+              fmt::format(
+                  "{} contact changes{} have broken the waves into more than {} pieces, and each passage breaks "
+                  "them further: there is no end of the detail that the exact motion has",
+                  statistics_.events, bars_.size() > 1 ? " and the bars' interfaces" : "", method_.most_pieces));
       }
       (rightward ? lines_[b].rightward : lines_[b].leftward).leave(sent);
     }

@@ -110,7 +110,6 @@ class Run {
   Statistics reached();
   void account();
   ContactPeak peak_of(std::size_t junction, std::size_t link, const ContactPeak& latest) const;
-  [[noreturn]] void fail(Failure why, const std::string& what);
   void begin();
 
   // int f u dx of a steady load: f = (rho c) d(gain)/dx, so by parts no derivative is needed but that of the load's own

@@ -108,7 +108,7 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
       contact("span obstacle", run.scene.span.has_value(), "closing of nodes", account->span);
       for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
         contact(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, "closing",
-                k <= account->joints.size() ? account->joints[k - 1] : JointAccount{});
+                account->joint(k));
       // A resumed run has not heard of those before.
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {

@@ -103,8 +103,7 @@ double resting_force(PenalisedSystem& system, std::size_t i, double t, std::span
                      std::span<double> force) {
   const ContactNode& contact = system.contacts()[i];
   system.complete_velocity(t, u, w);
-  system.force(t, u, w, force);
-  system.accelerate(force);
+  system.acceleration(t, u, w, force);
   return -contact.sign * contact.of(force) * contact.law.linear().stiffness / (contact.rate * contact.rate);
 }
 

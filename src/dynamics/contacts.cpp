@@ -1,6 +1,7 @@
 #include "dynamics/contacts.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -111,7 +112,8 @@ void Contacts::find_row(ContactNode& node) const {
     node.to_right =
         is_end_of_bar(true) || (!is_end_of_bar(false) && (is_alone(true) || (!is_alone(false) && has_any(true))));
   node.beyond = contact_beyond(bar_, node, node.to_right);
-  node.by_law = node.rigid ? !has_any(node.to_right) : node.joint > 0 ? !node.of_bar : node.beyond.has_value();
+  assert(has_any(node.to_right));  // a chain has a bar
+  node.by_law = !node.rigid && (node.joint > 0 ? !node.of_bar : node.beyond.has_value());
 }
 
 bool Contacts::held(std::size_t unknown) const {

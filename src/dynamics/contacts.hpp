@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -68,7 +69,7 @@ struct ContactNode : Contact {
   /// The contact on the other side of a rigid body whose row that is: the row has its force, too.
   std::optional<std::size_t> beyond{};
   /// The law alone tells the force, and no row: that of a penalty on a rigid body without a bar, of an obstacle where
-  /// another contact meets the body; of a rigid contact where bodies alone lie between it and obstacles on both sides.
+  /// another contact meets the body.
   bool by_law = false;
   /// While closed it holds its node at -s gap: a rigid one does, and a spring on a massless node that gives way by less
   /// than the rounding of the strain, kappa > (1 + eta / (h sqrt(E rho))) / rounding.
@@ -150,6 +151,17 @@ class Contacts {
   void place(std::size_t i, std::span<double> u) const {
     const std::size_t node = nodes_[i].unknown;
     u[node] = nodes_[i].joint > 0 ? u[node - 1] - offsets_[i] : -nodes_[i].sign * offsets_[i];
+  }
+
+  /// Content of a checkpoint: which are closed, and which have been measured from, as the archived state is.
+  static void members(auto& contacts, auto&& each) {
+    std::vector<unsigned char> measured = contacts.measured_;
+    each(std::span(contacts.closed_), std::span(measured));
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(contacts)>>) {
+      ++contacts.revision_;
+      for (std::size_t i = 0; i < measured.size(); ++i)
+        if (measured[i]) contacts.measure(i, {});
+    }
   }
 
  private:

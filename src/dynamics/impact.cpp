@@ -63,8 +63,7 @@ Collision collide(PenalisedSystem& system, std::size_t i, double t, std::span<co
     w[node] = of_joint ? w[node - 1] + velocity : velocity;
   };
   leave_with(0.0);
-  system.force(t, u, w, acceleration);
-  system.accelerate(acceleration);
+  system.acceleration(t, u, w, acceleration);
   const double pressed = -sign * contacts[i].of(acceleration);
   // A closing is found late, at a depth; what the node has gained by falling there is not thrown back.
   const double gained = 2.0 * std::max(pressed, 0.0) * std::max(-contacts.clearance(i, u), 0.0);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dynamics/pieces.hpp"
+#include "dynamics/assembly/assembled.hpp"
 
 namespace viscobar {
 
@@ -53,11 +53,7 @@ double Inertia::contact_mass(const Contact& contact) const {
     accelerate(gained);
     return 1.0 / (gained[i] - gained[i - 1]);
   }
-  if (contact.where != Where::span) return effective_masses()[i];
-  double sum = matrix_.diagonal[i];
-  if (i > 0 && !matrix_.off_diagonal.empty()) sum += matrix_.off_diagonal[i - 1];
-  if (i < matrix_.off_diagonal.size()) sum += matrix_.off_diagonal[i];
-  return sum;
+  return contact.where == Where::span ? row_sum(matrix_, i) : effective_masses()[i];
 }
 
 }  // namespace viscobar

@@ -61,9 +61,7 @@ void PenalisedSystem::accelerate(std::span<double> force) {
 void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, std::span<const double> w,
                                           std::span<double> nodal) {
   nodal.front() = nodal.back() = 0.0;
-  const std::span<double> unknowns = nodal.subspan(bar_.unknowns().first_node(), size());
-  force(t, u, w, unknowns);
-  accelerate(unknowns);
+  acceleration(t, u, w, bar_.unknowns().part(nodal));
   if (bar_.frame().moving()) bar_.frame().add_lift(load_.lift(t, 2), nodal);
 }
 
@@ -73,7 +71,7 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
   complete_velocity(t, u, w);
   if (contacts_.size() == 0) return;
   const double largest = contacts_.origin().largest_displacement(u);
-  std::vector<double> acceleration;
+  std::vector<double> accelerations;
   std::vector<unsigned char> press(contacts_.size(), 0);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const double sign = contacts_[i].sign, clear = contacts_.clearance(i, u),
@@ -82,12 +80,11 @@ void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w)
     if (clear < -rounding || sign * contacts_[i].of(w) < 0.0) {
       press[i] = 1;
     } else if (contacts_[i].of(w) == 0.0) {
-      if (acceleration.empty()) {
-        acceleration.resize(size());
-        force(t, u, w, acceleration);
-        accelerate(acceleration);
+      if (accelerations.empty()) {
+        accelerations.resize(size());
+        acceleration(t, u, w, accelerations);
       }
-      press[i] = sign * contacts_[i].of(acceleration) < 0.0 ? 1 : 0;
+      press[i] = sign * contacts_[i].of(accelerations) < 0.0 ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)

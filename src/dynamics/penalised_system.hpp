@@ -50,6 +50,11 @@ class PenalisedSystem {
   void force(double t, std::span<const double> u, std::span<const double> w, std::span<double> out);
   /// force <- (rho M)^{-1} force, zero at massless nodes and where a rigid contact holds a node with mass.
   void accelerate(std::span<double> force);
+  /// out = u'', that of force().
+  void acceleration(double t, std::span<const double> u, std::span<const double> w, std::span<double> out) {
+    force(t, u, w, out);
+    accelerate(out);
+  }
   /// D(m,c,k) = m rho M + (c eta + k E) K + sum over closed contacts of (k k_i + c b_i) e_i e_i^T.
   void dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const;
   /// The accelerations of the bar itself at all nodes, of a field in the frame. O(n)

@@ -1,32 +1,8 @@
 #include "dynamics/pieces.hpp"
 
-#include <span>
 #include <stdexcept>
 
 namespace viscobar {
-
-BandedMatrix restrict_to(const BandedMatrix& matrix, std::size_t first, std::size_t count) {
-  BandedMatrix part;
-  const auto part_of = [](std::span<const double> entries, std::size_t begin, std::size_t length) {
-    const auto some = entries.subspan(begin, length);
-    return std::vector<double>(some.begin(), some.end());
-  };
-  part.diagonal = part_of(matrix.diagonal, first, count);
-  if (!matrix.off_diagonal.empty() && count > 1) part.off_diagonal = part_of(matrix.off_diagonal, first, count - 1);
-  if (!matrix.skew.empty() && count > 1) part.skew = part_of(matrix.skew, first, count - 1);
-  const bool with_first = first == 0, with_last = first + count == matrix.size();
-  if (matrix.one_sided.empty() || (!(with_first || with_last) && matrix.one_sided_at_ends())) return part;
-  for (OneSidedRow row : matrix.one_sided) {
-    if (row.row < first || row.row >= first + count) continue;
-    row.row -= first;
-    part.one_sided.push_back(row);
-  }
-  // A row of either end is expected; behind a body that is held the bar's own is it.
-  std::vector<OneSidedRow>& rows = part.one_sided;
-  if (!with_first && (rows.empty() || rows.front().row > 0)) rows.insert(rows.begin(), OneSidedRow{});
-  if (!with_last && rows.back().row + 1 < count) rows.push_back({count - 1, true, {}});
-  return part;
-}
 
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   const auto section = [](const SpaceFunction& area, const Places& places, const Mesh& own) {
@@ -51,16 +27,6 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   if (pieces.back().last() != mesh.elements)
     throw std::invalid_argument("the mesh of several bars in line has the elements of each and one for each joint");
   return pieces;
-}
-
-BandedMatrix inertia_of(const std::vector<Piece>& pieces, Mass mass, const std::array<bool, 2>& massless) {
-  BandedMatrix whole = assembled(pieces, [&](const Piece& piece) {
-    BandedMatrix inertia = inertia_matrix(piece.mesh, mass, massless[0], massless[1], piece.section.get());
-    return inertia *= piece.bar.density;
-  });
-  for (const Piece& piece : pieces)
-    if (piece.rigid()) whole.diagonal[piece.first] += piece.mass;
-  return whole;
 }
 
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh) {

@@ -56,7 +56,7 @@ class ArkodeStepper final : public PolynomialStepper {
     copy_motion(y, outer_, values(state_), motion_);
     step_.end().t = t;
     std::ranges::copy(y, step_.end().y.begin());
-    evaluate(t, values(state_), values(rate_));
+    leg_.right_hand_side(t, values(state_), values(rate_));
     keep_rates();
     step_.restart();
     // A reset keeps the step of the leg before, which chatter makes right more often than a first step found anew.
@@ -130,12 +130,6 @@ class ArkodeStepper final : public PolynomialStepper {
     if (flag != ARK_SUCCESS) fail(leg_, call, flag, flag_name(ARKodeGetReturnFlagName(flag)), Library::arkode);
   }
 
-  void evaluate(double t, std::span<double> y, std::span<double> rate) {
-    std::ranges::copy(motion_.w(y), rate.begin());
-    leg_.system.complete_velocity(t, motion_.u(y), motion_.u(rate));
-    leg_.evaluate(t, y, rate);
-  }
-
   // Asked for at the beginning of each step, where it is known, and once to find the first step.
   static int right_hand_side(double t, N_Vector y, N_Vector rate, void* user) noexcept {
     ArkodeStepper& self = *static_cast<ArkodeStepper*>(user);
@@ -143,7 +137,7 @@ class ArkodeStepper final : public PolynomialStepper {
       if (t == self.step_.end().t)
         std::ranges::copy(values(self.rate_), values(rate).begin());
       else
-        self.evaluate(t, values(y), values(rate));
+        self.leg_.right_hand_side(t, values(y), values(rate));
     });
   }
 

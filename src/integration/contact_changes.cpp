@@ -221,13 +221,13 @@ void ContactChanges::withhold_closing(double t, std::size_t i, double velocity) 
 void ContactChanges::tell_closing(double t, std::size_t i, double velocity) {
   if (!goes_on(t, i)) return tell(t, i, Change::closing, velocity);
   const Withheld first = *std::exchange(withheld_, std::nullopt);
-  notifier_.event(first.time, on_.system.bar().unknowns(), contacts_[i], Change::closing, first.velocity,
+  notifier_.event(first.time, on_.system.bar().unknowns().first_node(), contacts_[i], Change::closing, first.velocity,
                   first.sensitivities);
 }
 
 void ContactChanges::tell(double t, std::size_t i, Change change, double velocity) {
   withheld_.reset();  // events are told in their order
-  notifier_.event(t, on_.system.bar().unknowns(), contacts_[i], change, velocity + frame_velocity(t, i),
+  notifier_.event(t, on_.system.bar().unknowns().first_node(), contacts_[i], change, velocity + frame_velocity(t, i),
                   sensitivities_at(t, i));
 }
 

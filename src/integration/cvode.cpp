@@ -113,13 +113,7 @@ class CvodeStepper final : public Multistep {
   // Needed at the start of a leg only: the steps use the momentum rows themselves.
   static int right_hand_side(double t, N_Vector y, N_Vector rate, void* user) noexcept {
     Leg& leg = static_cast<CvodeStepper*>(static_cast<Multistep*>(user))->leg_;
-    return guarded(leg, [&] {
-      const Layout& layout = leg.layout;
-      const std::span<double> state = values(y), w = layout.u(values(rate));  // the rate of u
-      std::ranges::copy(layout.w(state), w.begin());
-      leg.system.complete_velocity(t, layout.u(state), w);
-      leg.evaluate(t, state, values(rate));
-    });
+    return guarded(leg, [&] { leg.right_hand_side(t, values(y), values(rate)); });
   }
 
   Formulas formulas_;

@@ -9,29 +9,37 @@
 
 namespace viscobar {
 
-/// Dissipated power, load power and power of the mass's end rows at a time, those that the layout has, in its order.
+/// Dissipated power, load power and power of the mass's end rows in a state at t, those that the layout has, in its
+/// order.
+///
+/// @param accelerations row_values() of the derivative of w: accelerations(), asked for where they count
+std::array<double, 3> energy_rates(PenalisedSystem& system, const Layout& layout, double t, std::span<const double> u,
+                                   std::span<const double> w, auto&& accelerations) {
+  const double loss = frame_loss(system.bar(), t, w);
+  const std::size_t first = 2 * layout.nodes;
+  std::array<double, 3> rates{};
+  if (layout.dissipated) rates[*layout.dissipated - first] = dissipated_power(system.contacts(), w) + loss;
+  if (layout.dissipated && system.contacts().bend())
+    rates[*layout.dissipated - first] += stop_loss(system.contacts(), u, w);
+  if (layout.work) rates[*layout.work - first] = system.load().power(t, w) + loss;
+  if (layout.end_inertia) {
+    const auto [all, of_frame] = end_power(system, t, u, w, accelerations());
+    rates[*layout.end_inertia - first] = all;
+    if (layout.work) rates[*layout.work - first] += of_frame;
+  }
+  return rates;
+}
+
+/// The same at a time of a step.
 ///
 /// @param motion_at fills displacements and velocities: motion_at(t, y)
-/// @param accelerations row_values() of the derivative of those velocities: accelerations(t)
+/// @param accelerations as there: accelerations(t)
 /// @param y scratch of layout.size entries
 std::array<double, 3> energy_flow(PenalisedSystem& system, const Layout& layout, double t, auto&& motion_at,
                                   auto&& accelerations, std::span<double> y) {
   motion_at(t, y);
-  const std::span<double> w = layout.w(y);
-  system.complete_velocity(t, layout.u(y), w);
-  const double loss = frame_loss(system.bar(), t, w);
-  const std::size_t first = 2 * layout.nodes;
-  std::array<double, 3> flow{};
-  if (layout.dissipated) flow[*layout.dissipated - first] = dissipated_power(system.contacts(), w) + loss;
-  if (layout.dissipated && system.contacts().bend())
-    flow[*layout.dissipated - first] += stop_loss(system.contacts(), layout.u(y), w);
-  if (layout.work) flow[*layout.work - first] = system.load().power(t, w) + loss;
-  if (layout.end_inertia) {
-    const auto [all, of_frame] = end_power(system, t, layout.u(y), w, accelerations(t));
-    flow[*layout.end_inertia - first] = all;
-    if (layout.work) flow[*layout.work - first] += of_frame;
-  }
-  return flow;
+  system.complete_velocity(t, layout.u(y), layout.w(y));
+  return energy_rates(system, layout, t, layout.u(y), layout.w(y), [&] { return accelerations(t); });
 }
 
 /// Adds the integrals of energy_flow() over [from, to], by Gauss' formula with n points, to the energy account.

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "dynamics/energy_terms.hpp"
 #include "integration/layout.hpp"
 #include "viscobar/integration/integrate.hpp"

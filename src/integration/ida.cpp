@@ -58,7 +58,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
   }
   if (leg.derivatives.empty()) return;
   for (std::size_t i = 0; i < n; ++i) leg.new_w[i] = u_rate[i] + cj * x_u[i];
-  const Moment at = (*leg.moment)(t, leg.new_u, leg.new_w, leg.acceleration);
+  const Moment at{t, leg.new_u, leg.new_w, leg.acceleration};
   for (std::size_t k = 0; k < leg.derivatives.size(); ++k) {
     Derivative& derivative = *leg.derivatives[k];
     derivative.drive(at);

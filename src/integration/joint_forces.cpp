@@ -86,7 +86,7 @@ void JointForces::look_at(Joint& joint, std::size_t order, std::span<const Point
 
 void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
   for (Joint& joint : joints_) {
-    double& sum = std::visit([](auto* account) -> double& { return account->impulse; }, joint.account);
+    double& sum = joint.account->impulse;
     if (joint.contact == contact)
       sum += impulse;
     else if (contacts_.holds_mass(joint.contact))
@@ -98,14 +98,13 @@ void JointForces::add(double to, double length, std::size_t order, bool peaks) {
   for (Joint& joint : joints_) {
     if (!contacts_.closed(joint.contact)) continue;
     const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
-    const double impulse =
+    joint.account->impulse +=
         joint.direction * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
-    std::visit([&](auto* account) { account->impulse += impulse; }, joint.account);
     if (!peaks) continue;
     const auto inertia = Bernstein::slopes(used(joint.momentum));
     for (std::size_t j = 0; j <= order; ++j) joint.rate[j] = joint.direction * (joint.rate[j] + inertia[j] / length);
     const bool pulls = contacts_[joint.contact].joint == 0;
-    std::visit([&](auto* account) { raise_peak(*account, used(joint.rate), to, length, pulls); }, joint.account);
+    raise_peak(*joint.account, used(joint.rate), to, length, pulls);
   }
 }
 

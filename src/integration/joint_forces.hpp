@@ -43,7 +43,7 @@ class JointForces {
  private:
   struct Joint {
     std::size_t contact;
-    std::variant<JointAccount*, EndAccount*> account;
+    ContactAccount* account;
     JointRow row;
     double direction;                        // of its force: the row's sign at a joint, of an obstacle that of u
     std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond

@@ -5,12 +5,14 @@
 #include <span>
 
 #include "integration/bernstein.hpp"
+#include "viscobar/run/run.hpp"
 
 namespace viscobar {
 
 /// Takes the reactions of a step, which ends at `to`, into the peaks of its contact and of the run: those of either
 /// sign, or the pushes alone.
-void raise_peak(auto& account, std::span<const double> force, double to, double length, bool pulls = true) {
+inline void raise_peak(ContactAccount& account, std::span<const double> force, double to, double length,
+                       bool pulls = true) {
   const double known = std::abs(account.latest.reaction);
   const auto [least, most] = std::ranges::minmax_element(force);
   const double excess = Bernstein::excess(force.size() - 1) * (*most - *least);

@@ -44,11 +44,6 @@ Direction still(const BarSystem& bar, const Scene& of) {
 
 }  // namespace
 
-std::span<Derivative* const> Sensitivities::derive(const Penalty& penalty) {
-  for (const Direction& direction : directions_) pointers_.push_back(&all_.emplace_back(system_, penalty, direction));
-  return pointers_;
-}
-
 Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, std::span<const Direction> directions)
     : system_(system),
       contacts_(system.contacts()),
@@ -56,13 +51,13 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       restitution_(penalty.restitution),
       time_direction_(still(system.bar(), directions.front().data)),
       time_(system, penalty, time_direction_),
-      moment_(system, derive(penalty)),
       w_(system.size()),
       acceleration_(system.size()),
       load_rate_(system.size()),
       parted_(system.size()),
       shifts_(directions.size()),
       jumps_(directions.size(), {std::vector<double>(system.size()), std::vector<double>(system.size())}) {
+  for (const Direction& direction : directions_) pointers_.push_back(&all_.emplace_back(system_, penalty, direction));
   const std::size_t nodes = system.bar().mesh().nodes();
   fields_.assign(directions.size(), {std::vector<double>(nodes), std::vector<double>(nodes)});
   time_.motion().load().add(load_rate_, {});
@@ -75,34 +70,33 @@ void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, co
 }
 
 void Sensitivities::begin(double t, double end, std::span<double> y) {
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
     const State initial = derivative.initial_state();
     std::ranges::copy(initial.u, s.u().begin());
     std::ranges::copy(initial.v, s.w().begin());
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     complete(derivative, at, s);
-    layout_->each_impulse(
-        [&](std::size_t e, std::size_t node) { s.impulses()[e] = -derivative.momentum(node, at, s.u(), s.w()); });
+    book_momentum(derivative, at, s, -1.0);
   });
 }
 
 void Sensitivities::begin_leg(double t, double end, std::span<double> y) {
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     derivative.take_contacts();
     if (!lost()) complete(derivative, at, s);
   });
 }
 
 // With the bar's own acceleration there.
-Moment Sensitivities::look_at(double t, std::span<const double> u, std::span<const double> w) {
-  std::ranges::copy(w, w_.begin());
+Moment Sensitivities::look_at(double t, std::span<double> y) {
+  const std::span<const double> u = layout_->u(y);
+  std::ranges::copy(layout_->w(y), w_.begin());
   system_.complete_velocity(t, u, w_);
-  system_.force(t, u, w_, acceleration_);
-  system_.accelerate(acceleration_);
-  return moment_(t, u, w_, acceleration_);
+  system_.acceleration(t, u, w_, acceleration_);
+  return {t, u, w_, acceleration_};
 }
 
 void Sensitivities::complete(Derivative& derivative, const Moment& at, const Block& s) {
@@ -180,7 +174,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   if (lost()) return changes;
   const std::size_t n = layout_->nodes;
   const Contact& contact = contacts_[i];
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   const double rate = indicator_rate(at, i, by_push);
   const bool graze = grazes(i, rate) || (since < t && contacts_[i].collides), held = opens_by_reaction(i);
   const double acceleration = acceleration_of(at, i);
@@ -221,7 +215,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
     return changes;
   }
   shifted_ = true;
-  each(y, [&](std::size_t k, Derivative&, const Block& s) { shift_to_change(k, s); });
+  each(y, [&](std::size_t k, Derivative&, const Block& s) { shift(s, old_velocity_, old_acceleration_, shifts_[k]); });
   return changes;
 }
 
@@ -236,7 +230,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   if (lost()) return;
   const Contact& contact = contacts_[i];
   const std::size_t n = layout_->nodes, node = contact.unknown;
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   const double came = contact.of(old_velocity_), goes = contact.of(w_);
   // A node that is released may get its velocity from the mesh.
   const bool struck = shifted_ && contacts_[i].collides && came != 0.0 && goes != came;
@@ -246,14 +240,13 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
   const bool rebounds = struck && !contacts_.closed(i);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
-      // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact, in parts that do not depend on the
-      // parameter but where those of a chain have their own: by -(rho M)^{-1} (rho M)' (v+ - v-), d.v left out.
+      // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact: in parts that change by -(rho M)^{-1}
+      // (rho M)' (v+ - v-), d.v left out.
       const double left = contact.of(s.w());
       const double reflected = rebounds ? -restitution_ * left - directions_[k].restitution * came : 0.0;
       double share = (reflected - left) / (goes - came);
-      if (derivative.matrix_rates().chain) {
-        for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
-        derivative.multiply_chain_inertia(load_rate_, parted_);
+      for (std::size_t j = 0; j < n; ++j) load_rate_[j] = w_[j] - old_velocity_[j];
+      if (derivative.multiply_inertia(load_rate_, parted_)) {
         system_.accelerate(parted_);
         share += contact.of(parted_) / (goes - came);
         for (std::size_t j = 0; j < n; ++j) s[n + j] -= parted_[j];
@@ -265,10 +258,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       derivative.motion().contacts().place(i, s.u());
       leave_with(s, 0.0);
     }
-    if (shifted_) {
-      for (std::size_t j = 0; j < n; ++j) s[j] -= w_[j] * shifts_[k];
-      for (std::size_t j = 0; j < n; ++j) s[n + j] -= acceleration_[j] * shifts_[k];
-    }
+    if (shifted_) shift(s, w_, acceleration_, -shifts_[k]);
     complete(derivative, at, s);
   });
   shifted_ = false;
@@ -293,12 +283,12 @@ std::vector<ChangeSensitivity> Sensitivities::at_break(double t, double end, std
     moves |= shifts_[k] != 0.0;
   }
   if (lost()) return changes;
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    shift_to_change(k, s);
+    shift(s, old_velocity_, old_acceleration_, shifts_[k]);
     // A node without mass has a velocity that jumps as its row does.
     if (!contacts_[i].massless || (shifts_[k] == 0.0 && !contacts_.closed(i)))
       changes[k].velocity = contacts_[i].of(s.w());
@@ -307,10 +297,10 @@ std::vector<ChangeSensitivity> Sensitivities::at_break(double t, double end, std
   return changes;
 }
 
-// From the time before a change to its own.
-void Sensitivities::shift_to_change(std::size_t k, const Block& s) const {
-  for (std::size_t j = 0; j < s.nodes; ++j) s.u()[j] += old_velocity_[j] * shifts_[k];
-  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += old_acceleration_[j] * shifts_[k];
+// To a time later by that, at the rate (v, a).
+void Sensitivities::shift(const Block& s, std::span<const double> v, std::span<const double> a, double time) {
+  for (std::size_t j = 0; j < s.nodes; ++j) s.u()[j] += v[j] * time;
+  for (std::size_t j = 0; j < s.nodes; ++j) s.w()[j] += a[j] * time;
 }
 
 void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensitivity>& changes) const {
@@ -323,40 +313,39 @@ void Sensitivities::add_frame(double t, std::size_t i, std::vector<ChangeSensiti
         acceleration * changes[k].time + bar.frame().lift_at(contact, pointers_[k]->motion().load().lift(t, 1));
 }
 
-// The impulse of what moves the frame is none of an obstacle.
-void Sensitivities::book_momentum(double t, std::span<double> y, double sign) {
+// Where the state jumps without an obstacle, that is none of its impulse.
+void Sensitivities::book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const {
+  layout_->each_impulse(
+      [&](std::size_t e, std::size_t node) { s.impulses()[e] += times * derivative.momentum(node, at, s.u(), s.w()); });
+}
+
+void Sensitivities::book_momentum(double t, double times, std::span<double> y) {
+  if (lost() || !(layout_->left || layout_->right)) return;
+  const Moment at = look_at(t, y);
+  each(y, [&](std::size_t, Derivative& derivative, const Block& s) { book_momentum(derivative, at, s, times); });
+}
+
+void Sensitivities::cross_frames(double t, double times, std::span<double> y) {
   if (lost()) return;
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    layout_->each_impulse([&](std::size_t e, std::size_t node) {
-      s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
-    });
+    book_momentum(derivative, at, s, times);
   });
 }
 
 void Sensitivities::leave_frame(double t, double after, std::span<double> y) {
-  book_momentum(t, y, 1.0);
+  cross_frames(t, 1.0, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
     const BarSystem& data = derivative.data();
     if (!lost()) data.frame().change(data.following().frame(), after, s.u(), s.w());
   });
 }
 
-void Sensitivities::shift(JumpFilter& filter, std::span<double> y) {
+void Sensitivities::pass_jumps(JumpFilter& filter, std::span<double> y) {
   if (!filter.has_shifted() || lost()) return;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     filter.differentiate(derivative, jumps_[k].first, jumps_[k].second, s.u(), s.w());
-  });
-}
-
-void Sensitivities::account(double t, double sign, std::span<double> y) {
-  if (lost() || !(layout_->left || layout_->right)) return;
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
-  each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    layout_->each_impulse([&](std::size_t e, std::size_t node) {
-      s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
-    });
   });
 }
 
@@ -369,22 +358,16 @@ void Sensitivities::pass_kink(double t, double end, const FrameJump* of_bar, std
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     Derivative& derivative = *pointers_[k];
     if (!derivative.data().frame().moving()) continue;
-    derivative.begin_leg(t, end);
+    derivative.motion().load().begin_leg(t, end);
     const Block s = layout_->derivative(y, k);
     try {
       const auto jump = derivative.data().frame().kink(t, end);
       if (!jump) continue;
-      const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+      const Moment at = look_at(t, y);
       complete(derivative, at, s);
-      // The impulse of what moves the frame is none of an obstacle.
-      const auto account = [&](double sign) {
-        layout_->each_impulse([&](std::size_t e, std::size_t node) {
-          s.impulses()[e] += sign * derivative.momentum(node, at, s.u(), s.w());
-        });
-      };
-      account(1.0);
+      book_momentum(derivative, at, s, 1.0);
       derivative.data().frame().pass_kink(*jump, s.u(), s.w());
-      account(-1.0);
+      book_momentum(derivative, at, s, -1.0);
       if (kinks && !of_bar->displaces()) strike_by_kink(*of_bar, *jump, at, s);
     } catch (const LoadError&) {
       return lose(t, fmt::format("the motion of an end has a kink whose time moves with {}", directions_[k].key), y);
@@ -433,7 +416,7 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
     return told_;
   }
   const BarSystem& bar = system_.bar();
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   // Accelerations at all nodes, where an end is fixed.
   std::vector<double> own(bar.unknowns().left_fixed() || bar.unknowns().right_fixed() ? snapshot.u.size() : 0),
       of_own(own);
@@ -466,7 +449,7 @@ std::span<const FieldSensitivity> Sensitivities::fields(double t, std::span<doub
 }
 
 void Sensitivities::sum_up(double t, std::span<double> y) {
-  const Moment at = look_at(t, layout_->u(y), layout_->w(y));
+  const Moment at = look_at(t, y);
   for (std::size_t k = 0; k < pointers_.size(); ++k) {
     std::array<double, 2> impulses = {nothing, nothing};
     double energy = nothing;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 #include "integration/error_weights.hpp"
 #include "viscobar/run/run.hpp"
@@ -51,7 +51,7 @@ class Sensitivities {
   /// Makes the derivatives those in the frame that follows obstacles that move, its lift and rate being those at
   /// `after`; in the part of the run that begins there, the impulses on ends are told of it.
   void leave_frame(double t, double after, std::span<double> y);
-  void enter_frame(double t, std::span<double> y) { book_momentum(t, y, -1.0); }
+  void enter_frame(double t, std::span<double> y) { cross_frames(t, -1.0, y); }
   /// A leg begins at t, where motions of ends may have kinks; before the velocities of the bar have passed its own.
   void pass_kink(double t, double end, const FrameJump* of_bar, std::span<double> y);
 
@@ -60,8 +60,8 @@ class Sensitivities {
   template <class Jump>
   void pass_start(JumpFilter& filter, double t, std::span<double> y, Jump&& jump) {
     if (!lost()) {
-      account(t, 1.0, y);
-      const Moment at = moment_(t, layout_->u(y), layout_->w(y), {});
+      book_momentum(t, 1.0, y);
+      const Moment at{t, layout_->u(y), layout_->w(y), {}};
       each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
         derivative.take_contacts();
         derivative.drive(at);
@@ -69,20 +69,20 @@ class Sensitivities {
       });
     }
     jump();
-    shift(filter, y);
-    account(t, -1.0, y);
+    pass_jumps(filter, y);
+    book_momentum(t, -1.0, y);
   }
   template <class Jump>
   void pass_break(JumpFilter& filter, double t, double end, std::span<double> y, Jump&& jump) {
-    account(t, 1.0, y);
+    book_momentum(t, 1.0, y);
     jump();
     if (lost()) return;
     for (std::size_t k = 0; k < pointers_.size(); ++k) {
       for (std::vector<double>* one : {&jumps_[k].first, &jumps_[k].second}) std::ranges::fill(*one, 0.0);
       pointers_[k]->motion().load().jump(t, end, jumps_[k].first, jumps_[k].second);
     }
-    shift(filter, y);
-    account(t, -1.0, y);
+    pass_jumps(filter, y);
+    book_momentum(t, -1.0, y);
   }
 
   /// Derivatives of a snapshot, valid until the next call.
@@ -98,22 +98,22 @@ class Sensitivities {
   struct Field {
     std::vector<double> u, v;
   };
-  std::span<Derivative* const> derive(const Penalty& penalty);
   bool lost() const { return account_->lost.has_value(); }
-  Moment look_at(double t, std::span<const double> u, std::span<const double> w);
+  Moment look_at(double t, std::span<double> y);
   // use(k, derivative k, its block of y)
   void each(std::span<double> y, auto&& use) {
     for (std::size_t k = 0; k < pointers_.size(); ++k) use(k, *pointers_[k], layout_->derivative(y, k));
   }
   void complete(Derivative& derivative, const Moment& at, const Block& s);
-  void book_momentum(double t, std::span<double> y, double sign);
+  // Adds so many times the momentum of the rows of ends to their impulses.
+  void book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const;
+  void book_momentum(double t, double times, std::span<double> y);
+  void cross_frames(double t, double times, std::span<double> y);
   void differentiate_by_time(const Moment& at);
-  void shift_to_change(std::size_t k, const Block& s) const;
+  static void shift(const Block& s, std::span<const double> v, std::span<const double> a, double time);
   double break_rate(std::size_t k, double t, double end, const Contact& contact) const;
   void strike_by_kink(const FrameJump& of_bar, const FrameJump& moved, const Moment& at, const Block& s);
-  void shift(JumpFilter& filter, std::span<double> y);
-  // The momentum that a shift changes is none of an obstacle's impulse.
-  void account(double t, double sign, std::span<double> y);
+  void pass_jumps(JumpFilter& filter, std::span<double> y);
   double acceleration_of(const Moment& at, std::size_t i);
   double indicator_rate(const Moment& at, std::size_t i, bool by_push);
   bool grazes(std::size_t i, double rate) const;
@@ -128,7 +128,6 @@ class Sensitivities {
   std::vector<Derivative*> pointers_;
   Direction time_direction_;
   Derivative time_;  // whose motion is (v, a)
-  MomentBuilder moment_;
   const Layout* layout_ = nullptr;
   const ErrorWeights* weights_ = nullptr;
   SensitivityAccount* account_ = nullptr;

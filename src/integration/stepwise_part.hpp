@@ -12,7 +12,6 @@
 #include "integration/event_search.hpp"
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"
-#include "run/contact_states.hpp"
 #include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
 #include "run/watchdog.hpp"
@@ -32,7 +31,7 @@ class StepwisePart {
 
   /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
-    each(std::span(run.y_), ContactStates{run.contacts_}, run.stepper_.weights(), run.watchdog_);
+    each(std::span(run.y_), run.contacts_, run.stepper_.weights(), run.watchdog_);
   }
 
   void count_seconds() { notifier_.count_seconds(); }

@@ -1,10 +1,7 @@
 #include "integration/stepwise_run.hpp"
 
-#include <fmt/format.h>
-
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "dynamics/penalised_system.hpp"
@@ -12,21 +9,14 @@
 #include "integration/sensitivities.hpp"
 #include "integration/stepwise_part.hpp"
 #include "run/framed_parts.hpp"
-#include "run/step_failure.hpp"
-#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar {
 
 namespace {
 
-// Makes a part of the run and turns whatever stops it into an IntegrationError that says how far it came. `statistics`
-// are those of the parts before, and become those of all.
 PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalty, const StartingPoint& start,
                  std::span<const double> times, const Observers& observers, const MakeStepper& make_stepper) {
   PenalisedSystem system(bar, penalty);
-  for (std::size_t i = 0; i < system.contacts().size(); ++i)
-    if (system.contacts()[i].rigid && system.contacts()[i].by_law)
-      throw std::invalid_argument("a rigid contact of a body alone beside another one has no row that tells its force");
   const Layout layout(system, observers.energy, observers.directions.size());
   std::unique_ptr<Sensitivities> sensitivities;
   if (!observers.directions.empty())
@@ -42,27 +32,18 @@ PartEnd run_part(const char* method, const BarSystem& bar, const Penalty& penalt
     statistics.load_evaluations = before + system.load().evaluations();
     run.count_seconds();
   };
-  const auto explain = [&](Failure why, const std::exception& cause) {
+  const auto reached = [&] {
     conclude();
     run.tell_reached();
-    return IntegrationError(why, fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
-                            statistics);
+    return statistics;
   };
-  try {
-    if (auto checkpoint = run(start)) {
-      conclude();
-      checkpoint->statistics = statistics;
-      return std::move(*checkpoint);
-    }
-  } catch (const StepFailure& failure) {
-    throw explain(failure.why, failure);
-  } catch (const LoadError& error) {
-    throw explain(Failure::load, error);
-  } catch (const std::domain_error& error) {
-    throw explain(Failure::inertia, error);
-  }
-  conclude();
-  return statistics;
+  return part_or_failure(method, reached, [&]() -> PartEnd {
+    std::optional<Checkpoint> checkpoint = run(start);
+    conclude();
+    if (!checkpoint) return statistics;
+    checkpoint->statistics = statistics;
+    return std::move(*checkpoint);
+  });
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ std::optional<std::string> penetration_warning(const Setup& setup, const BarSyst
 std::optional<std::string> peak_warning(const Setup& setup, const BarSystem& system, const Statistics& done) {
   if (setup.run.scene.bar.viscosity > 0.0 || !done.account) return std::nullopt;
   std::size_t closings = done.account->left.closings + done.account->right.closings;
-  for (const JointAccount& joint : done.account->joints) closings += joint.closings;
+  for (const ContactAccount& joint : done.account->joints) closings += joint.closings;
   if (closings == 0) return std::nullopt;
   const auto why = peak_remark(setup, system);
   return why ? std::optional("peak reaction: " + *why) : std::nullopt;

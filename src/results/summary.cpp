@@ -32,7 +32,7 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
   add("span", scene.span.has_value(), [&] { return account->span; });
   for (std::size_t k = 1; k < scene.chain.size(); ++k)
     add(fmt::format("joint:{}", k), scene.chain[k - 1].joint.kind == JointKind::contact,
-        [&] { return k <= account->joints.size() ? account->joints[k - 1] : JointAccount{}; });
+        [&] { return account->joint(k); });
   return contacts;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstring>
 #include <optional>
@@ -39,18 +40,15 @@ void members(Like<EnergyAccount> auto& energy, auto&& each) {
 }
 void members(Like<TimeInContact> auto& contact, auto&& each) { each(contact.until_opening, contact.closed_since); }
 void members(Like<ContactPeak> auto& peak, auto&& each) { each(peak.reaction, peak.time); }
-void members(Like<EndAccount> auto& end, auto&& each) {
-  each(end.displacement, end.lowest, end.highest, end.closings, end.impulse, end.peak_reaction, end.contact,
-       end.latest);
-}
 void members(Like<Representation> auto& representation, auto&& each) {
   each(representation.error, representation.rounding, representation.velocity);
 }
-void members(Like<SpanAccount> auto& span, auto&& each) {
-  each(span.closings, span.openings, span.contact, span.impulse, span.peak_reaction, span.latest);
-}
-void members(Like<JointAccount> auto& joint, auto&& each) {
-  each(joint.closings, joint.contact, joint.impulse, joint.peak_reaction, joint.latest);
+template <class Account>
+requires std::derived_from<std::remove_const_t<Account>, ContactAccount>
+void members(Account& account, auto&& each) {
+  each(account.closings, account.contact, account.impulse, account.peak_reaction, account.latest);
+  if constexpr (requires { account.lowest; }) each(account.displacement, account.lowest, account.highest);
+  if constexpr (requires { account.openings; }) each(account.openings);
 }
 void members(Like<RunAccount> auto& account, auto&& each) {
   each(account.left, account.right, account.span, account.joints);

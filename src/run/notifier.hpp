@@ -2,7 +2,6 @@
 
 #include "run/parts.hpp"
 #include "run/stopwatch.hpp"
-#include "viscobar/dynamics/unknowns.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -17,10 +16,10 @@ class Notifier {
   void snapshot(const Snapshot& now) {
     if (observers_.snapshot) timed([&] { observers_.snapshot(now); });
   }
-  /// Counts it, too.
-  void event(double t, const Unknowns& unknowns, const Contact& contact, Change change, double velocity,
+  /// Counts it, too. `first_node` is the mesh node of unknown 0.
+  void event(double t, std::size_t first_node, const Contact& contact, Change change, double velocity,
              const std::vector<ChangeSensitivity>& sensitivities = {}) {
-    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + unknowns.first_node();
+    const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + first_node;
     Event event{t, contact.where, node, change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
     told(event);

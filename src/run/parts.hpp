@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,9 @@
 #include <variant>
 
 #include "run/archive.hpp"
+#include "run/step_failure.hpp"
 #include "scene/times.hpp"
+#include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {
@@ -41,6 +45,26 @@ Statistics run_in_parts(const StartingPoint& start, std::span<const double> time
     end = part(next);
   }
   return std::get<Statistics>(std::move(end));
+}
+
+/// part() of a run by a method. What stops it becomes an IntegrationError that says how far it came, with the
+/// statistics that reached() gives.
+template <class Part>
+PartEnd part_or_failure(const char* method, auto&& reached, Part&& part) {
+  const auto failure = [&](Failure why, const std::exception& cause) {
+    const Statistics statistics = reached();
+    return IntegrationError(why, fmt::format("{} stopped at t = {}: {}", method, statistics.reached_time, cause.what()),
+                            statistics);
+  };
+  try {
+    return part();
+  } catch (const StepFailure& error) {
+    throw failure(error.why, error);
+  } catch (const LoadError& error) {
+    throw failure(Failure::load, error);
+  } catch (const std::domain_error& error) {
+    throw failure(Failure::inertia, error);
+  }
 }
 
 /// Why a method that integrates u' = v, v' = M^{-1} F does not take massless contact nodes without viscosity.
@@ -76,19 +100,9 @@ inline void count_change(Statistics& statistics, Event& event) {
   ++statistics.events;
   if (!statistics.account) return;
   statistics.account->count(event);
-  const RunAccount& account = *statistics.account;
-  if (event.where == Where::span) {
-    if (event.change == Change::opening && account.span.closed() == 0) event.peak = account.span.latest;
-    return;
-  }
-  const auto tell = [&event](const auto& contact) {
-    event.impulse = contact.impulse;
-    if (event.change == Change::opening) event.peak = contact.latest;
-  };
-  if (event.where == Where::joint)
-    tell(account.joints[event.node - 1]);
-  else
-    tell(event.where == Where::left ? account.left : account.right);
+  const ContactAccount& account = statistics.account->of(event);
+  if (event.where != Where::span) event.impulse = account.impulse;
+  if (event.change == Change::opening && !account.contact.closed_since) event.peak = account.latest;
 }
 
 /// The state of a method, archived by its members(), put into a checkpoint or taken from one.

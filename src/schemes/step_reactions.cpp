@@ -47,7 +47,7 @@ void StepReactions::begin(const State& start, RunAccount& account) const {
     const std::size_t number = step_.contacts()[k].joint;
     if (number == 0) continue;
     account.joints.resize(std::max(account.joints.size(), number));
-    JointAccount& joint = account.joints[number - 1];
+    ContactAccount& joint = account.joints[number - 1];
     joint.impulse = step_.start_impulse()[k];
     joint.peak_reaction = joint.latest.raise(step_.reaction_before()[k], begin_);
   }
@@ -77,7 +77,7 @@ void StepReactions::pass(std::size_t n, RunAccount& account) const {
   for (std::size_t k = 0; k < step_.contacts().size(); ++k) {
     const std::size_t number = step_.contacts()[k].joint;
     if (number == 0 || (now[k] == 0.0 && then[k] == 0.0)) continue;
-    JointAccount& joint = account.joints[number - 1];
+    ContactAccount& joint = account.joints[number - 1];
     joint.impulse += dt_ * theta * ((n > 1 ? (1.0 - theta / 2) * then[k] : 0.0) + theta / 2 * now[k]);
     joint.peak_reaction = std::max(joint.peak_reaction, joint.latest.raise(of_contact(k, theta), until));
   }

@@ -40,8 +40,7 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   set_end(done.account->right, is_obstacle(scene.right), Quantity::u_right_final, Quantity::closings_right);
   for (std::size_t k = 0; joint_values * k < row.joints.size(); ++k) {
     if (scene.chain[k].joint.kind != JointKind::contact) continue;
-    const auto& joints = done.account->joints;
-    const JointAccount joint = k < joints.size() ? joints[k] : JointAccount{};
+    const ContactAccount joint = done.account->joint(k + 1);
     const std::array<double, joint_values> values = {static_cast<double>(joint.closings),
                                                      joint.contact.total(done.reached_time), joint.impulse,
                                                      joint.peak_reaction};

@@ -265,7 +265,7 @@ TEST(RandomChains, ManyContactsAreAllFound) {
   };
   const Recording rigid = by("rigid");
   EXPECT_GE(rigid.statistics.account->left.closings, 1U);
-  for (const JointAccount& joint : rigid.statistics.account->joints) EXPECT_GE(joint.closings, 1U);
+  for (const ContactAccount& joint : rigid.statistics.account->joints) EXPECT_GE(joint.closings, 1U);
   for (const char* method : {"cvode", "arkode", "fully_discrete"}) {
     const Recording other = by(method);
     for (std::size_t k = 0; k < rigid.u.size(); ++k) ASSERT_NEAR(rigid.u[k], other.u[k], 5e-3) << method << k;

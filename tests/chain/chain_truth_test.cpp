@@ -228,7 +228,7 @@ TEST(ContactJoint, AnImpactOfUnlikeBarsIsThatOfLaplacesTransform) {
       EXPECT_EQ(found.events[0].time, 0.0);
       EXPECT_EQ(found.events[1].where, Where::joint);
       EXPECT_EQ(found.events[1].node, 1U);
-      const JointAccount& joint = found.statistics.account->joints.at(0);
+      const ContactAccount& joint = found.statistics.account->joints.at(0);
       EXPECT_EQ(joint.closings, 1U);
       errors.push_back(joint.impulse - truth.impulse);
       if (elements == 80) {
@@ -364,7 +364,7 @@ TEST(RigidMember, BetweenContactsItsImpulsesAreItsMomentum) {
                 mass),
             "")
             .run);
-    const std::vector<JointAccount>& joints = found.statistics.account->joints;
+    const std::vector<ContactAccount>& joints = found.statistics.account->joints;
     ASSERT_GT(joints[1].impulse, 0.1) << mass;
     const double gained = 0.5 * found.velocity(found.times.size() - 1)[7];
     EXPECT_NEAR(joints[0].impulse - joints[1].impulse, gained, 10.0 * 1e-9) << mass;
@@ -403,7 +403,7 @@ TEST(ContactJoint, ACradlePassesTheVelocityOn) {
   constexpr double h = 0.02;  // elastic bars are right to some of it
   EXPECT_NEAR(first, 0.0, h);
   EXPECT_NEAR(last, 1.0, 1.5 * h);
-  for (const JointAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 1.5 * h);
+  for (const ContactAccount& joint : found.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, 1.5 * h);
 }
 
 // A body of 1e12 gives way by 1e-12.

@@ -69,7 +69,7 @@ TEST(ChainWaves, EqualBarsOfWhichTheSecondIsFixed) {
   ASSERT_EQ(run.events.size(), 2U);
   EXPECT_EQ(run.events[0].time, 0.0);
   EXPECT_NEAR(run.events[1].time, 4.0, rounding);
-  const JointAccount& joint = run.statistics.account->joints.at(0);
+  const ContactAccount& joint = run.statistics.account->joints.at(0);
   EXPECT_NEAR(joint.impulse, 2.0, rounding);
   EXPECT_NEAR(joint.peak_reaction, 0.5, rounding);
   for (std::size_t k = 1; k < run.times.size(); ++k) {
@@ -94,7 +94,7 @@ TEST(ChainWaves, UnlikeFreeBarsOfEqualTransit) {
     const Event* opening = event(run, 1, Change::opening);
     ASSERT_TRUE(opening) << z;
     EXPECT_NEAR(opening->time, 2.0, rounding) << z;
-    const JointAccount& joint = run.statistics.account->joints.at(0);
+    const ContactAccount& joint = run.statistics.account->joints.at(0);
     EXPECT_EQ(joint.closings, 1U);
     EXPECT_NEAR(joint.peak_reaction, force, rounding);
     EXPECT_NEAR(joint.impulse, 2.0 * force, rounding);
@@ -259,7 +259,7 @@ TEST(ChainWaves, ACradlePassesTheVelocityOn) {
     }
   }
   for (std::size_t j = 0; j < 25; ++j) EXPECT_NEAR(run.v.back()[j], j < 20 ? 0.0 : 1.0, rounding) << j;
-  for (const JointAccount& joint : run.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, rounding);
+  for (const ContactAccount& joint : run.statistics.account->joints) EXPECT_NEAR(joint.impulse, 1.0, rounding);
   const Event* opening = event(run, 4, Change::opening);
   ASSERT_TRUE(opening);
   EXPECT_NEAR(opening->time, 5.0, rounding);

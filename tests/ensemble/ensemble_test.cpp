@@ -236,7 +236,7 @@ TEST(Ensemble, OfBarsInLineTellsWhatARunTells) {
         EXPECT_TRUE(std::isnan(change));
     }
     EXPECT_GE(truth.events.size(), 1u);
-    const JointAccount& account = truth.statistics.account->joints.front();
+    const ContactAccount& account = truth.statistics.account->joints.front();
     EXPECT_EQ(found.values[3][i], account.impulse);
     EXPECT_EQ(found.values[4][i], account.peak_reaction);
     EXPECT_GT(account.impulse, 0.0);

@@ -31,8 +31,9 @@ TEST(Account, IsTheSameAtEveryOutputIntervalBitForBit) {
     for (const auto end : {&RunAccount::left, &RunAccount::right}) {
       const EndAccount &a = (*one.statistics.account).*end, &b = (*two.statistics.account).*end;
       RC_ASSERT(a.closings == b.closings);
-      for (const auto number : {&EndAccount::displacement, &EndAccount::lowest, &EndAccount::highest,
-                                &EndAccount::impulse, &EndAccount::peak_reaction})
+      for (double EndAccount::*const number : std::initializer_list<double EndAccount::*>{
+               &EndAccount::displacement, &EndAccount::lowest, &EndAccount::highest, &EndAccount::impulse,
+               &EndAccount::peak_reaction})
         RC_ASSERT((a.*number) == (b.*number));
       RC_ASSERT(a.contact.total(run.end) == b.contact.total(run.end));
     }

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -83,6 +85,45 @@ TEST(SectionSensitivity, IsThatOfTheRun) {
       const double quotient = (high.u.back() - low.u.back()) / (2e-4 * value);
       EXPECT_NEAR(here.sensitivities.at(0).u.back(), quotient, 1e-4 * (1.0 + std::abs(quotient))) << method << key;
     }
+}
+
+// Derivatives by p = 0.4 of a section 1 + p x are those of runs: central differences are wrong by the errors of both,
+// 100 tolerances, over the difference of p.
+void expect_slopes(const std::string& mesh, const std::string& more) {
+  constexpr double tolerance = 1e-10, step = 1e-4;
+  const std::string text = scene_text("viscosity = 0.05\nsection = \"1 + p*x\"", mesh,
+                                      more + "[parameters]\np = 0.4\n[output]\nevery = 0.02\n");
+  const auto run = [&](double p, const char* of) {
+    const std::vector<std::string> settings = {
+        fmt::format("parameters.p={}", p), fmt::format("sensitivity.of=[{}]", of),
+        fmt::format("method.relative_tolerance={}", tolerance), "contact.epsilon=0.01"};
+    return record(parse_scene(text, "", settings).run);
+  };
+  const Recording with = run(0.4, "\"parameters.p\""), high = run(0.4 + step, ""), low = run(0.4 - step, "");
+  const RecordedSensitivity& told = with.sensitivities.at(0);
+  for (const auto& [of_run, of_told] :
+       {std::pair{&Recording::u, &RecordedSensitivity::u}, {&Recording::v, &RecordedSensitivity::v}}) {
+    double largest = 0.0, worst = 0.0;
+    for (std::size_t i = 0; i < (told.*of_told).size(); ++i) {
+      const double slope = ((high.*of_run)[i] - (low.*of_run)[i]) / (2.0 * step);
+      largest = std::max(largest, std::abs((with.*of_run)[i]));
+      worst = std::max(worst, std::abs((told.*of_told)[i] - slope));
+    }
+    EXPECT_GT(largest, 0.0);
+    EXPECT_LT(worst, 100.0 * tolerance * largest / step) << text;
+  }
+}
+
+// A node without mass follows its row between the steps, too.
+TEST(SectionSensitivity, IsThatOfTheRunAtNodesWithoutMass) {
+  for (const char* method : {"arkode", "cvode", "ida", "rigid"})
+    expect_slopes("elements = 20\nmass = \"redistributed\"", fmt::format("[method]\nname = \"{}\"\n", method));
+}
+
+// The dashpot of a node under a span obstacle goes with the mass of its row.
+TEST(SectionSensitivity, IsThatOfTheRunOnASpanObstacleWithRestitution) {
+  expect_slopes("elements = 10\nmass = \"consistent\"",
+                "[span]\ngap = 0.2\n[contact]\nrestitution = 0.5\n[method]\nname = \"cvode\"\n");
 }
 
 }  // namespace

@@ -199,6 +199,34 @@ force = -0.5)~",
                 "rigid");
 }
 
+// The velocities that an impact gives to a few elements depend on the mass at their other end.
+TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfImpactsOfALightBarBetweenMasses) {
+  expect_slopes({"a light bar", "", {"bar.density", "bar.modulus", "left.mass", "right.mass"}, "", {}, R"~(
+[bar]
+length = 1.0
+viscosity = 0.05
+[left]
+kind = "obstacle"
+gap = 0.1
+mass = 0.3
+[right]
+kind = "free"
+mass = 2.0
+[initial]
+velocity = "-1.0 + 0.1*x"
+[time]
+end = 0.3
+[mesh]
+elements = 4
+mass = "consistent"
+[contact]
+restitution = 0.5
+[method]
+relative_tolerance = 1e-10
+)~"},
+                "rigid");
+}
+
 TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsAgainstAnObstacleThatMoves) {
   for (const char* right : {"kind = \"free\"\nforce = -0.5\ndashpot = 0.2", "kind = \"fixed\"\nmotion = \"-0.3*t\""})
     expect_slopes({"gap(t)",

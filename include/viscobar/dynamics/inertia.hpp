@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "viscobar/discretisation/mass.hpp"
 #include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/contact.hpp"
 #include "viscobar/dynamics/unknowns.hpp"

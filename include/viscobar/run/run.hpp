@@ -131,52 +131,46 @@ struct TimeInContact {
   double total(double now) const { return until_opening + (closed_since ? now - *closed_since : 0.0); }
 };
 
-/// Contact of one end and the range of its displacement, as exact between the output times as the method is: the
-/// reaction R and u are those of its steps (a polynomial each; of a scheme, values at its steps and linear between).
-/// R is the force of all obstacles on the end node.
-struct EndAccount {
-  double displacement = 0.0;                                ///< u where the run is
-  double lowest = std::numeric_limits<double>::infinity();  ///< min u over time, infinite before a run
-  double highest = -lowest;                                 ///< max u
-  std::size_t closings = 0;                                 ///< of the end's own obstacle
-  double impulse = 0.0;                                     ///< int R dt, a force times a time
+/// The account of a contact, as exact between the output times as the method is: R is the reaction of its steps (a
+/// polynomial each; of a scheme, values at its steps and linear between), N at a joint.
+struct ContactAccount {
+  std::size_t closings = 0;  ///< how often it closed; of a span obstacle those of all nodes
+  TimeInContact contact;     ///< from its closing to its opening, of any node under a span obstacle
+  double impulse = 0.0;      ///< int R dt, a force times a time
   /// max |R|. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
   /// viscobar::peak_remark().
   double peak_reaction = 0.0;
-  TimeInContact contact;  ///< with any obstacle of its own
-  ContactPeak latest;     ///< of the contact that lasts, or else of the last one
+  ContactPeak latest;  ///< of the contact that lasts, or else of the last one
 };
 
-/// The nodes under a span obstacle.
-struct SpanAccount {
-  std::size_t closings = 0;  ///< of nodes
-  std::size_t openings = 0;  ///< of nodes
-  TimeInContact contact;     ///< of any node
-  double impulse = 0.0;      ///< int R dt, R the obstacle's force on the bar in the direction of u, of all nodes
-  /// max |R|, see EndAccount::peak_reaction.
-  double peak_reaction = 0.0;
-  ContactPeak latest;  ///< of the contact of any node that lasts, or else of the last one
+/// Contact of one end with its own obstacles and the range of its displacement, u being that of the steps, too. R is
+/// the force of all obstacles on the end node.
+struct EndAccount : ContactAccount {
+  double displacement = 0.0;                                ///< u where the run is
+  double lowest = std::numeric_limits<double>::infinity();  ///< min u over time, infinite before a run
+  double highest = -lowest;                                 ///< max u
+};
 
+/// The nodes under a span obstacle, R being its force on all of them in the direction of u.
+struct SpanAccount : ContactAccount {
+  std::size_t openings = 0;  ///< of nodes
   /// Nodes in contact.
   std::size_t closed() const { return closings - openings; }
 };
 
-/// A contact at a joint of a chain.
-struct JointAccount {
-  std::size_t closings = 0;    ///< how often it closed
-  TimeInContact contact;       ///< how long it was closed
-  double impulse = 0.0;        ///< int N dt
-  double peak_reaction = 0.0;  ///< max N
-  ContactPeak latest;          ///< of N, of the contact that lasts, or else of the last one
-};
-
 /// Accounts of the ends of the bar and of its obstacles. Nothing in it depends on the output times.
 struct RunAccount {
-  EndAccount left;                     ///< at x = 0
-  EndAccount right;                    ///< at x = L
-  SpanAccount span;                    ///< of a span obstacle
-  std::vector<JointAccount> joints{};  ///< up to the last that has had a contact change
+  EndAccount left;                       ///< at x = 0
+  EndAccount right;                      ///< at x = L
+  SpanAccount span;                      ///< of a span obstacle
+  std::vector<ContactAccount> joints{};  ///< up to the last that has had a contact change
 
+  /// The account of a joint by its number from 1, empty beyond all of those.
+  ContactAccount joint(std::size_t number) const {
+    return number <= joints.size() ? joints[number - 1] : ContactAccount{};
+  }
+  /// The account of the contact that changes: one of those above.
+  ContactAccount& of(const Event& event);
   /// Counts a contact change.
   void count(const Event& event);
 };

@@ -2,10 +2,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "dynamics/assembly/assembled.hpp"
 #include "dynamics/assembly/initial_state.hpp"
 #include "dynamics/load/nodal_load.hpp"
 #include "dynamics/load/nodal_moments.hpp"
-#include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 

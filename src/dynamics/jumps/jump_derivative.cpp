@@ -3,25 +3,19 @@
 #include <cmath>
 #include <utility>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 
 namespace viscobar {
 
 void JumpFilter::add_changes(const Derivative& derivative, std::span<const double> x, std::span<const double> x_rate,
                              std::span<double> force) const {
-  const Derivative::MatrixRates rates = derivative.matrix_rates();
-  std::vector<double> product(force.size());
-  for (const auto& [of, factor] : {std::pair{x, rates.modulus}, {x_rate, rates.viscosity}}) {
-    if (factor == 0.0 || of.empty()) continue;
-    stiffness_->multiply([of = of](std::size_t i) { return of[i]; }, product);
-    for (std::size_t i = 0; i < force.size(); ++i) force[i] -= factor * product[i];
-  }
-  if (rates.side) {
-    const auto at = [this](std::span<const double> of) { return bar_.unknowns().at_nodes(of); };
-    rates.side->subtract(rates.side->resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
-  }
-  for (const auto& [node, stiffness, dashpot, mass] : rates.supports)
+  const auto at = [this](std::span<const double> of) { return bar_.unknowns().at_nodes(of); };
+  derivative.matrices().elastic().subtract(at(x), force);
+  derivative.matrices().viscous().subtract(at(x_rate), force);
+  if (const SideRows* side = derivative.side())
+    side->subtract(side->resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
+  for (const auto& [node, stiffness, dashpot, mass] : derivative.supports())
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }
 
@@ -48,7 +42,7 @@ void JumpFilter::add_slope(const Added& change, Function&& f, std::span<double> 
 
 double JumpFilter::fading(const Derivative& derivative) const {
   if (!bar_.bar().damped()) return 0.0;
-  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const MatrixRates::OfBar& rates = derivative.matrices().of_bar();
   const Bar& bar = bar_.bar();
   const double square = bar.viscosity * bar.viscosity / (scale_ * bar.modulus * bar.modulus);
   return -8.0 * square / (1.0 - 2.0 * square) *
@@ -57,15 +51,18 @@ double JumpFilter::fading(const Derivative& derivative) const {
 
 void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, std::span<double> rate,
                                std::span<double> s, std::span<double> s_rate) {
-  const Derivative::MatrixRates rates = derivative.matrix_rates();
+  const MatrixRates::OfBar& rates = derivative.matrices().of_bar();
   const Bar& bar = bar_.bar();
   const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
   // A is a pure number but for its springs, k h / E, and its masses, m / (rho h).
   Added supports;
   std::array<double, 2> dashpots{};
-  for (const Support& support : bar_.supports())
-    supports.stiffness[bar_.unknowns().is_right(support.unknown)] -= support.stiffness * rates.modulus / bar.modulus;
-  for (const Support& support : rates.supports) {
+  for (const Support& support : bar_.supports()) {
+    const bool right = bar_.unknowns().is_right(support.unknown);
+    supports.stiffness[right] -= support.stiffness * rates.modulus / bar.modulus;
+    supports.mass[right] -= support.mass * rates.inertia;
+  }
+  for (const Support& support : derivative.supports()) {
     const bool right = bar_.unknowns().is_right(support.unknown);
     supports.stiffness[right] += support.stiffness;
     supports.mass[right] += support.mass;
@@ -104,9 +101,11 @@ void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, 
   const std::vector<double> impulse = impulse_;
   answer_with_dashpots(force, s_rate);
   std::ranges::fill(change, 0.0);
-  for (const Support& support : bar_.supports())
-    change[support.unknown] = -dashpots[bar_.unknowns().is_right(support.unknown)] * shift_u_[support.unknown];
-  for (const Support& support : rates.supports) change[support.unknown] -= support.mass * impulse[support.unknown];
+  for (const Support& support : bar_.supports()) {
+    const bool right = bar_.unknowns().is_right(support.unknown);
+    change[support.unknown] =
+        -dashpots[right] * shift_u_[support.unknown] - supports.mass[right] * impulse[support.unknown];
+  }
   factor_.solve(change);
   for (std::size_t i = 0; i < n; ++i) change[i] -= rates.inertia * impulse[i];
   take_high_part(change, force);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -101,7 +102,7 @@ void JumpFilter::prepare(const PenalisedSystem& system) {
     if (system.contacts().closed(i)) held[bar_.unknowns().is_right(system.contacts()[i].unknown)] = true;
   if (held_ == held) return;
   if (!held_) {
-    stiffness_.emplace(bar_);
+    stiffness_ = {bar_.unknowns(), std::vector(bar_.mesh().elements, 1.0 / bar_.elements().stretch(0))};
     top_ = stiffness > 0.0 ? std::max(least_top, 1.02 * end_mode(stiffness)) : least_top;
     static const std::vector<double> without_springs = chebyshev(least_top);
     coefficients_ = top_ == least_top ? without_springs : chebyshev(top_);
@@ -121,23 +122,26 @@ void JumpFilter::factorise() {
 }
 
 void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) const {
-  stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
-  for (double& force : out) force *= bar_.bar().modulus;
-  for (const Support& support : bar_.supports())
-    out[support.unknown] +=
-        (support.stiffness + added_.stiffness[bar_.unknowns().is_right(support.unknown)]) * x[support.unknown];
-  if (const SideRows* side = bar_.side())
-    side->subtract([&](std::size_t j) { return -side->stiffness(j) * bar_.unknowns().at_nodes(x)(j); },
-                   bar_.unknowns().first_node(), bar_.size(), out);
+  forces(
+      x, bar_.bar().modulus,
+      [this](const Support& end) { return end.stiffness + added_.stiffness[bar_.unknowns().is_right(end.unknown)]; },
+      &SideRows::stiffness, out);
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {
-  stiffness_->multiply([x](std::size_t i) { return x[i]; }, out);
-  for (double& force : out) force *= bar_.bar().viscosity;
-  for (const Support& support : bar_.supports()) out[support.unknown] += support.dashpot * x[support.unknown];
+  forces(x, bar_.bar().viscosity, std::mem_fn(&Support::dashpot), &SideRows::drag, out);
+}
+
+// out = factor K x, with what ends and a side have of it.
+void JumpFilter::forces(std::span<const double> x, double factor, auto&& of_end,
+                        double (SideRows::*of_side)(std::size_t) const, std::span<double> out) const {
+  const auto at = bar_.unknowns().at_nodes(x);
+  stiffness_.multiply(at, out);
+  for (double& force : out) force *= factor;
+  for (const Support& support : bar_.supports()) out[support.unknown] += of_end(support) * x[support.unknown];
   if (const SideRows* side = bar_.side())
-    side->subtract([&](std::size_t j) { return -side->drag(j) * bar_.unknowns().at_nodes(x)(j); },
-                   bar_.unknowns().first_node(), bar_.size(), out);
+    side->subtract([&](std::size_t j) { return -(side->*of_side)(j)*at(j); }, bar_.unknowns().first_node(), bar_.size(),
+                   out);
 }
 
 // True if what a force would be answered with is negligible. Fourth differences of the acceleration, 16 sin^4 of half

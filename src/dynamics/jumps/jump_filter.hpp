@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/element_springs.hpp"
 #include "dynamics/penalised_system.hpp"
-#include "dynamics/unit_stiffness.hpp"
 
 namespace viscobar {
 
@@ -63,6 +63,8 @@ class JumpFilter {
   void prepare(const PenalisedSystem& system);
   void stiffness(std::span<const double> x, std::span<double> out) const;
   void damping(std::span<const double> x, std::span<double> out) const;
+  void forces(std::span<const double> x, double factor, auto&& of_end, double (SideRows::*of_side)(std::size_t) const,
+              std::span<double> out) const;
   bool is_smooth(std::span<const double> force, double negligible);
   void apply(std::span<double> force);
   void quieten(std::span<double> x) const;
@@ -81,9 +83,9 @@ class JumpFilter {
   const BarSystem& bar_;
   double share_ = 0.0, scale_ = 0.0, top_ = 0.0;  // theta; h^2 rho / E; the largest mu
   std::array<bool, 2> deaf_{};                    // ends whose dashpot lets no high mode ring
-  std::optional<UnitStiffness> stiffness_;
-  std::vector<double> coefficients_;  // of G on [0, top]
-  TridiagonalFactor factor_;          // of rho M, nodes of closed contacts being held
+  ElementSprings stiffness_;                      // K
+  std::vector<double> coefficients_;              // of G on [0, top]
+  TridiagonalFactor factor_;                      // of rho M, nodes of closed contacts being held
   std::optional<std::array<bool, 2>> held_;
   std::vector<double> first_, second_, next_, start_, force_, rate_;  // scratch
   Added added_;

@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "dynamics/assembly/assembled.hpp"
 #include "dynamics/load/nodal_moments.hpp"
-#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 

@@ -1,7 +1,5 @@
 #include "integration/exponential/run.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,12 +13,15 @@
 #include "dynamics/obstacle_motion.hpp"
 #include "integration/approach.hpp"
 #include "run/step_failure.hpp"
-#include "viscobar/dynamics/load_error.hpp"
 
 namespace viscobar::exponential {
 
 PartEnd Run::operator()(const StartingPoint& start) {
-  try {
+  const auto stopped = [&] {
+    close_energy();
+    return reached();
+  };
+  return part_or_failure("exponential", stopped, [&]() -> PartEnd {
     if (const auto* checkpoint = std::get_if<Checkpoint>(&start))
       go_on(*checkpoint);
     else
@@ -32,13 +33,9 @@ PartEnd Run::operator()(const StartingPoint& start) {
       if (t_ < times_.back() && schedule_.due(t_))
         return Checkpoint{t_, next_output_, reached(), archived(*this), frame_of(system_)};
     }
-  } catch (const LoadError& error) {
-    fail(Failure::load, error);
-  } catch (const StepFailure& failure) {
-    fail(failure.why, failure);
-  }
-  statistics_.completed = true;
-  return reached();
+    statistics_.completed = true;
+    return reached();
+  });
 }
 
 Statistics Run::reached() {
@@ -48,19 +45,17 @@ Statistics Run::reached() {
   return statistics_;
 }
 
-void Run::fail(Failure why, const std::exception& cause) {
-  if (statistics_.energy && y_.size() > 0) {
-    try {
-      const std::vector<double> u = displacement();
-      std::vector<double> w = velocity();
-      penalised_.complete_velocity(t_, u, w);
-      const double of_frame = frame_energy(penalised_, t_, u, w);
-      statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
-      statistics_.energy->work += of_frame;
-    } catch (const std::exception&) {  // its cause may stop this, too
-    }
+void Run::close_energy() {
+  if (!statistics_.energy || y_.size() == 0) return;
+  try {
+    const std::vector<double> u = displacement();
+    std::vector<double> w = velocity();
+    penalised_.complete_velocity(t_, u, w);
+    const double of_frame = frame_energy(penalised_, t_, u, w);
+    statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
+    statistics_.energy->work += of_frame;
+  } catch (const std::exception&) {  // the cause of the failure may stop this, too
   }
-  throw IntegrationError(why, fmt::format("exponential stopped at t = {}: {}", t_, cause.what()), reached());
 }
 
 // Undamped nodes without mass follow their rows at once. Where a load jumps, or opens or closes their contact by that,
@@ -413,7 +408,7 @@ void Run::tell_change(std::size_t c, double velocity) {
   watchdog_.change(t_, c);
   if (system_.frame().moving())
     velocity += system_.frame().lift_at(penalised_.contacts()[c], penalised_.load().lift(t_, 1));
-  notifier_.event(t_, system_.unknowns(), penalised_.contacts()[c],
+  notifier_.event(t_, system_.unknowns().first_node(), penalised_.contacts()[c],
                   penalised_.contacts().closed(c) ? Change::closing : Change::opening, velocity);
 }
 

@@ -15,7 +15,6 @@
 #include "integration/exponential/contact_distance.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/snapshot.hpp"
-#include "run/contact_states.hpp"
 #include "run/framed_parts.hpp"
 #include "run/notifier.hpp"
 #include "run/watchdog.hpp"
@@ -56,7 +55,7 @@ class Run {
 
   /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
-    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), ContactStates{run.penalised_.contacts()},
+    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), run.penalised_.contacts(),
          std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
          run.energy_scale_);
     if (run.ends_) each(*run.ends_);
@@ -75,7 +74,7 @@ class Run {
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), times_.back() - times_.front()); }
 
   Statistics reached();
-  [[noreturn]] void fail(Failure why, const std::exception& cause);
+  void close_energy();  // of a run that could not go on
 
   double energy_of_followers();
   void enter_piece();  // of time, from here on, in which the load is smooth

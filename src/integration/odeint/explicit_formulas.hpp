@@ -23,8 +23,7 @@ class FirstOrder {
     const std::span<double> w = rate.first(n), a = rate.subspan(n, n);
     std::ranges::copy(y.subspan(n, n), w.begin());
     system.complete_velocity(t, u, w);
-    system.force(t, u, w, a);
-    system.bar().inertia().accelerate(a);
+    system.acceleration(t, u, w, a);
     ++statistics_.rhs_evaluations;
   }
 

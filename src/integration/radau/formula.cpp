@@ -218,4 +218,58 @@ Parts Formula::weights_over_pole(const Parts& weights) const {
   return result;
 }
 
+// By the sums of all parts, of four nodes at once.
+Moved move_nodes(double h, std::span<const Complex> of, const std::array<std::size_t, 2>& with_mass,
+                 std::span<const double> begin, std::span<double> end) {
+  using Weights = std::array<Lanes, parts>;
+  static const std::array<Weights, 4> at_end = [] {  // of w, u / h, their errors
+    const Formula& formula = Formula::get();
+    const Parts w = formula.weights(1.0, 0), &of_w = formula.error();
+    const std::array<Parts, 4> of_parts = {w, formula.weights_over_pole(w), of_w, formula.weights_over_pole(of_w)};
+    std::array<Weights, 4> weights;
+    for (std::size_t c = 0; c < of_parts.size(); ++c)
+      for (std::size_t l = 0; l < parts; ++l) weights[c][l] = Lanes{} + of_parts[c][l];
+    return weights;
+  }();
+  Weights of_way, of_way_error;
+  for (std::size_t l = 0; l < parts; ++l) of_way[l] = h * at_end[1][l], of_way_error[l] = h * at_end[3][l];
+  const std::size_t n = of.size(), first = with_mass[0], last = with_mass[1];
+  const double *const begin_u = begin.data(), *const begin_w = begin_u + n;
+  double *const end_u = end.data(), *const end_w = end_u + n;
+  const Complex* const x = of.data();
+  std::array<Lanes, 4> largest{};
+  const auto raise = [](Lanes & most, const Lanes& sum) __attribute__((always_inline)) {
+    const Lanes size = sum < 0.0 ? -sum : sum;
+    most = most > size ? most : size;
+  };
+  const auto move = [&](std::size_t i, bool massive) __attribute__((always_inline)) {
+    const std::array<Lanes, 4> re = transposed({x[i].re, x[i + 1].re, x[i + 2].re, x[i + 3].re});
+    const std::array<Lanes, 4> im = transposed({x[i].im, x[i + 1].im, x[i + 2].im, x[i + 3].im});
+    const auto sum = [&](const Weights& by) __attribute__((always_inline)) {
+      Lanes of_re = by[0] * re[0], of_im = by[lanes] * im[0];
+      for (std::size_t l = 1; l < lanes; ++l) of_re += by[l] * re[l], of_im += by[lanes + l] * im[l];
+      return of_re + of_im;
+    };
+    const Lanes velocity = load_lanes(begin_w + i), rate = sum(at_end[0]), way = sum(of_way);
+    store_lanes(velocity + rate, end_w + i);
+    store_lanes(load_lanes(begin_u + i) + (h * velocity + way), end_u + i);
+    raise(largest[0], rate);
+    raise(largest[1], way);
+    Lanes of_rate = sum(at_end[2]);
+    for (std::size_t k = 0; !massive && k < lanes; ++k)
+      if (i + k < first || i + k >= last) of_rate[k] = 0.0;
+    raise(largest[2], of_rate);
+    raise(largest[3], sum(of_way_error));
+  };
+  // The last ones of the nodes twice, where they are no multiple of four; takes() wants five.
+  move(0, first == 0);
+  for (std::size_t i = lanes; i + lanes < n; i += lanes) move(i, true);
+  move(n - lanes, last == n);
+  const auto most = [&](std::size_t c) {
+    const Lanes& lane = largest[c];
+    return std::max({lane[0], lane[1], lane[2], lane[3]});
+  };
+  return {most(0), most(1), most(2), most(3)};
+}
+
 }  // namespace viscobar::radau

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <span>
 
 namespace viscobar::radau {
 
@@ -114,5 +115,14 @@ class Formula {
   Parts end_, error_;
   std::array<std::array<std::array<Samples, parts>, 2>, 2> samples_;
 };
+
+/// Largest changes of w and u in a step of length h, and what they may be wrong by, w of nodes with mass alone.
+struct Moved {
+  double rate, way, rate_error, way_error;
+};
+/// Makes (u, w) at its end, by those at its beginning and the parts X_k of w. Of five nodes or more; those in the range
+/// `with_mass` have mass.
+Moved move_nodes(double h, std::span<const Complex> x, const std::array<std::size_t, 2>& with_mass,
+                 std::span<const double> begin, std::span<double> end);
 
 }  // namespace viscobar::radau

@@ -19,19 +19,11 @@ StepDerivatives::StepDerivatives(PenalisedSystem& system, const Layout& layout,
     : system_(system),
       layout_(layout),
       derivatives_(derivatives),
-      stiffness_(system.bar()),
-      moment_(system, derivatives),
       force_(layout.nodes),
       rates_(layout.block - 2 * layout.nodes) {
   const std::size_t n = layout.nodes;
   if (layout.left) ends_.push_back(0);
   if (layout.right) ends_.push_back(n - 1);
-  if (moment_.asks_for_inertia()) inertial_.resize(n);
-  for (const Derivative* one : derivatives) {
-    const Derivative::MatrixRates rates = one->matrix_rates();
-    if (rates.chain) of_elements_.resize(n);
-    if (rates.viscosity != 0.0 || rates.modulus != 0.0) stiff_.resize(n);
-  }
   parts_.resize(derivatives.size(), {std::vector<double>(n),
                                      std::vector<double>(n),
                                      rates_,
@@ -63,28 +55,23 @@ void StepDerivatives::impulse_rates(Derivative& derivative, const Moment& at, st
 
 void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<double> y) {
   const std::size_t n = layout_.nodes;
-  begin_ = moment_(t, layout_.u(y), layout_.w(y), {});
+  begin_ = {t, layout_.u(y), layout_.w(y), {}};
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];
     Derivative& derivative = *derivatives_[k];
-    const Derivative::MatrixRates rates = derivative.matrix_rates();
     derivative.drive(begin_);
     const std::span<double> block = layout_.derivative(y, k), u = block.first(n), w = block.subspan(n, n);
     derivative.motion().complete_velocity(t, u, w);
     derivative.motion().force(t, u, w, part.force);
     systems.multiply_stiffness(w, part.stiff_rate);
-    if (rates.modulus != 0.0)
-      for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += rates.modulus * begin_.strain_rate[i];
-    if (rates.chain) {
-      rates.chain->stiffness.multiply([&](std::size_t i) { return begin_.w[i]; }, force_);
-      for (std::size_t i = 0; i < n; ++i) part.stiff_rate[i] += force_[i];
-    }
-    for (const Support& support : rates.supports)
+    const auto of_w = system_.bar().unknowns().at_nodes(begin_.w);
+    const auto opposed = [&](std::size_t j) { return -of_w(j); };
+    derivative.matrices().elastic().subtract(opposed, part.stiff_rate);
+    for (const Support& support : derivative.supports())
       part.stiff_rate[support.unknown] += support.stiffness * begin_.w[support.unknown];
-    if (rates.side)
-      rates.side->subtract([&, of_w = system_.bar().unknowns().at_nodes(begin_.w)](
-                               std::size_t j) { return -rates.side->stiffness(j) * of_w(j); },
-                           system_.bar().unknowns().first_node(), n, part.stiff_rate);
+    if (const SideRows* side = derivative.side())
+      side->subtract([&](std::size_t j) { return side->stiffness(j) * opposed(j); },
+                     system_.bar().unknowns().first_node(), n, part.stiff_rate);
     impulse_rates(derivative, begin_, u, part.impulse_rates);
   }
 }
@@ -92,42 +79,29 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
 // x = -(zeta M' + h C' + h^2 / zeta K') X; whether that is anything.
 bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   const Formula& formula = Formula::get();
-  const Derivative::MatrixRates rates = derivatives_[k]->matrix_rates();
+  const Derivative& derivative = *derivatives_[k];
+  const MatrixRates& matrices = derivative.matrices();
+  if (!matrices.any() && derivative.supports().empty() && !derivative.side()) return false;
   std::vector<Complex>& x = parts_[k].x;
+  const std::size_t n = layout_.nodes, first = system_.bar().unknowns().first_node();
   const auto elastic = [&](double dashpot, double stiffness) {
-    return Complex{-h_ * dashpot - h_ * h_ * stiffness * formula.inverse.re, -h_ * h_ * stiffness * formula.inverse.im};
+    return Complex{h_ * dashpot + h_ * h_ * stiffness * formula.inverse.re, h_ * h_ * stiffness * formula.inverse.im};
   };
-  const Complex of_mass = -rates.inertia * formula.poles, of_stiffness = elastic(rates.viscosity, rates.modulus);
-  const bool inertial = rates.inertia != 0.0, stiff = rates.viscosity != 0.0 || rates.modulus != 0.0;
-  const std::size_t n = layout_.nodes;
-  if (rates.chain) {
-    const auto add_elements = [&](const UnitStiffness& elements, const Complex& factor) {
-      elements.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, of_elements_);
-      for (std::size_t i = 0; i < n; ++i) x[i] = x[i] + factor * of_elements_[i];
-    };
-    multiply(rates.chain->inertia, motion, x);
-    for (std::size_t i = 0; i < n; ++i) x[i] = -1.0 * formula.poles * x[i];
-    add_elements(rates.chain->stiffness, elastic(0.0, 1.0));
-    add_elements(rates.chain->viscosity, elastic(1.0, 0.0));
-  } else if (inertial && stiff)
-    for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i] + of_stiffness * stiff_[i];
-  else if (inertial)
-    for (std::size_t i = 0; i < n; ++i) x[i] = of_mass * inertial_[i];
-  else if (stiff)
-    for (std::size_t i = 0; i < n; ++i) x[i] = of_stiffness * stiff_[i];
-  else if (!rates.supports.empty() || rates.side)
-    std::ranges::fill(x, Complex{});
-  for (const auto& [unknown, stiffness, dashpot, mass] : rates.supports)
-    x[unknown] = x[unknown] + (elastic(dashpot, stiffness) + -mass * formula.poles) * motion[unknown];
-  if (const SideRows* side = rates.side) {
-    const std::size_t first = system_.bar().unknowns().first_node();
-    const auto resisted = [&](std::size_t j) {
-      if (j < first || j - first >= n) return Complex{};
-      return elastic(-side->drag(j), -side->stiffness(j)) * motion[j - first];
-    };
-    side->subtract(resisted, first, n, x);
+  const auto times = [&](const Complex& factor) {
+    return [&, factor](std::size_t j) { return j < first || j - first >= n ? Complex{} : factor * motion[j - first]; };
+  };
+  std::ranges::fill(x, Complex{});
+  if (matrices.inertial()) {
+    multiply(matrices.inertia(), motion, x);
+    for (Complex& one : x) one = -1.0 * formula.poles * one;
   }
-  return rates.chain || inertial || stiff || !rates.supports.empty() || rates.side;
+  matrices.elastic().subtract(times(elastic(0.0, 1.0)), x);
+  matrices.viscous().subtract(times(elastic(1.0, 0.0)), x);
+  for (const auto& [unknown, stiffness, dashpot, mass] : derivative.supports())
+    x[unknown] = x[unknown] - (elastic(dashpot, stiffness) + mass * formula.poles) * motion[unknown];
+  if (const SideRows* side = derivative.side())
+    side->subtract([&](std::size_t j) { return times(elastic(side->drag(j), side->stiffness(j)))(j); }, first, n, x);
+  return true;
 }
 
 // Change of the load over the step, for a motion that stands still.
@@ -191,8 +165,6 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
                                 Statistics& statistics) {
   h_ = step.h;
   const std::size_t n = layout_.nodes;
-  if (moment_.asks_for_inertia()) multiply(system_.bar().inertia().matrix(), motion, inertial_);
-  if (!stiff_.empty()) stiffness_.multiply([&](std::size_t i) -> const Complex& { return motion[i]; }, stiff_);
   double largest = 0.0;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     Part& part = parts_[k];
@@ -216,24 +188,10 @@ double StepDerivatives::attempt(ShiftedSystems& systems, const Step& step, std::
 // The error of the step.
 double StepDerivatives::move(std::size_t k, std::span<const double> begin, std::span<const double> weights,
                              std::span<double> end) const {
-  const Formula& formula = Formula::get();
-  const Parts w = formula.weights(1.0, 0), u = formula.weights_over_pole(w);
-  const Parts &of_w = formula.error(), of_u = formula.weights_over_pole(of_w);
-  std::array<Eigen::Array4d, parts> columns;
-  for (std::size_t l = 0; l < parts; ++l) columns[l] = {w[l], h_ * u[l], of_w[l], h_ * of_u[l]};
-  const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
-                    last = system_.bar().inertia().massive_end();
-  const std::vector<Complex>& x = parts_[k].x;
-  Eigen::Array4d largest = Eigen::Array4d::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    Eigen::Array4d sum = combined(columns, x[i]);
-    end[n + i] = begin[n + i] + sum[0];
-    end[i] = begin[i] + (h_ * begin[n + i] + sum[1]);
-    if (i < first || i >= last) sum[2] = 0.0;  // the velocity of a massless node is dependent
-    largest = largest.max(sum.abs());
-  }
+  const Inertia& inertia = system_.bar().inertia();
+  const Moved moved = move_nodes(h_, parts_[k].x, {inertia.massive_begin(), inertia.massive_end()}, begin, end);
   impulses_at(k, 1.0, begin, end);
-  return std::max(largest[2] * weights[n + first], largest[3] * weights[0]);
+  return std::max(moved.rate_error * weights[layout_.nodes + inertia.massive_begin()], moved.way_error * weights[0]);
 }
 
 void StepDerivatives::impulses_at(std::size_t k, double theta, std::span<const double> before,

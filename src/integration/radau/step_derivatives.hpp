@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "integration/layout.hpp"
 #include "integration/radau/load_tail.hpp"
 #include "integration/radau/shifted_systems.hpp"
@@ -60,14 +60,10 @@ class StepDerivatives {
   const Layout& layout_;
   std::span<Derivative* const> derivatives_;
   std::vector<std::size_t> ends_;  // that have an impulse
-  UnitStiffness stiffness_;
-  MomentBuilder moment_;
-  Moment begin_;    // where the step begins
-  double h_ = 0.0;  // of the last step
+  Moment begin_;                   // where the step begins
+  double h_ = 0.0;                 // of the last step
   std::vector<Part> parts_;
-  std::vector<Complex> inertial_, stiff_;  // rho M X and K X of the motion
-  std::vector<Complex> of_elements_;       // scratch
-  std::vector<double> force_, rates_;      // scratch
+  std::vector<double> force_, rates_;  // scratch
 };
 
 }  // namespace viscobar::radau

@@ -218,7 +218,9 @@ class Stepper final : public LegStepper {
     statistics_.linear_solves += lanes;
     // The velocity of a massless node is dependent; a rigid contact has no spring, so weights are those of the fields.
     const double weight_u = weights_.weight_of_displacement(), weight_w = weights_.weight_of_velocity();
-    const auto [rate, way, rate_error, way_error] = move_nodes(h);
+    const Inertia& inertia = system_.bar().inertia();
+    const auto [rate, way, rate_error, way_error] =
+        move_nodes(h, x_, {inertia.massive_begin(), inertia.massive_end()}, begin_y_, end_y_);
     if (!(rate + way <= std::numeric_limits<double>::max())) throw not_finite();
     double error = std::max({rate_error * weight_w, way_error * weight_u, std::numeric_limits<double>::min()});
     if (loaded) error = std::max(error, load_tail_.error(system_.bar(), h, weight_u, weight_w));
@@ -226,61 +228,6 @@ class Stepper final : public LegStepper {
       error = std::max(error, derivatives_->attempt(systems_, {begin_t_, h, end_of_step()}, begin_y_, x_, weight_,
                                                     end_y_, statistics_));
     return error;
-  }
-
-  // The new state by the sums of all parts, of four nodes at once. The largest changes of w and u, and their errors.
-  std::array<double, 4> move_nodes(double h) {
-    using Weights = std::array<Lanes, parts>;
-    static const std::array<Weights, 4> at_end = [] {  // of w, u / h, their errors
-      const Formula& formula = Formula::get();
-      const Parts w = formula.weights(1.0, 0), &of_w = formula.error();
-      const std::array<Parts, 4> of = {w, formula.weights_over_pole(w), of_w, formula.weights_over_pole(of_w)};
-      std::array<Weights, 4> weights;
-      for (std::size_t c = 0; c < of.size(); ++c)
-        for (std::size_t l = 0; l < parts; ++l) weights[c][l] = Lanes{} + of[c][l];
-      return weights;
-    }();
-    Weights of_way, of_way_error;
-    for (std::size_t l = 0; l < parts; ++l) of_way[l] = h * at_end[1][l], of_way_error[l] = h * at_end[3][l];
-    const std::size_t n = layout_.nodes, first = system_.bar().inertia().massive_begin(),
-                      last = system_.bar().inertia().massive_end();
-    const double *const begin_u = begin_y_.data(), *const begin_w = begin_u + n;
-    double *const end_u = end_y_.data(), *const end_w = end_u + n;
-    const Complex* const x = x_.data();
-    std::array<Lanes, 4> largest{};
-    const auto raise = [](Lanes & most, const Lanes& sum) __attribute__((always_inline)) {
-      const Lanes size = sum < 0.0 ? -sum : sum;
-      most = most > size ? most : size;
-    };
-    const auto move = [&](std::size_t i, bool massive) __attribute__((always_inline)) {
-      const std::array<Lanes, 4> re = transposed({x[i].re, x[i + 1].re, x[i + 2].re, x[i + 3].re});
-      const std::array<Lanes, 4> im = transposed({x[i].im, x[i + 1].im, x[i + 2].im, x[i + 3].im});
-      const auto sum = [&](const Weights& by) __attribute__((always_inline)) {
-        Lanes of_re = by[0] * re[0], of_im = by[lanes] * im[0];
-        for (std::size_t l = 1; l < lanes; ++l) of_re += by[l] * re[l], of_im += by[lanes + l] * im[l];
-        return of_re + of_im;
-      };
-      const Lanes velocity = load_lanes(begin_w + i), rate = sum(at_end[0]), way = sum(of_way);
-      store_lanes(velocity + rate, end_w + i);
-      store_lanes(load_lanes(begin_u + i) + (h * velocity + way), end_u + i);
-      raise(largest[0], rate);
-      raise(largest[1], way);
-      Lanes of_rate = sum(at_end[2]);
-      for (std::size_t k = 0; !massive && k < lanes; ++k)
-        if (i + k < first || i + k >= last) of_rate[k] = 0.0;
-      raise(largest[2], of_rate);
-      raise(largest[3], sum(of_way_error));
-    };
-    // The last ones of the nodes twice, where they are no multiple of four; takes() wants five.
-    move(0, first == 0);
-    for (std::size_t i = lanes; i + lanes < n; i += lanes) move(i, true);
-    move(n - lanes, last == n);
-    std::array<double, 4> all;
-    for (std::size_t c = 0; c < all.size(); ++c) {
-      const Lanes& most = largest[c];
-      all[c] = std::max({most[0], most[1], most[2], most[3]});
-    }
-    return all;
   }
 
   double end_of_step() const { return h_ == stop_ - begin_t_ ? stop_ : begin_t_ + h_; }

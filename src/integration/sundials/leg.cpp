@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "dynamics/energy_terms.hpp"
 #include "dynamics/lost_inertia.hpp"
+#include "integration/energy_flow.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
@@ -153,7 +153,7 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
   }
   if (derivatives.empty()) return;
   for (std::size_t i = 0; i < n; ++i) new_w[i] = w[i] + x_w[i];
-  const Moment at = (*moment)(t, new_u, new_w, acceleration);
+  const Moment at{t, new_u, new_w, acceleration};
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     derivatives[k]->drive(at);
     const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
@@ -179,16 +179,21 @@ void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<cons
 
 void Leg::evaluate(double t, std::span<double> y, std::span<double> rate) {
   const std::span<double> w = layout.u(rate), a = layout.w(rate);
-  system.force(t, layout.u(y), w, a);
-  system.accelerate(a);
+  system.acceleration(t, layout.u(y), w, a);
   account_rates(t, layout.u(y), w, a, rate);
   derivative_rates(t, y, rate);
   ++statistics.rhs_evaluations;
 }
 
+void Leg::right_hand_side(double t, std::span<double> y, std::span<double> rate) {
+  std::ranges::copy(layout.w(y), rate.begin());
+  system.complete_velocity(t, layout.u(y), layout.u(rate));
+  evaluate(t, y, rate);
+}
+
 void Leg::derivative_rates(double t, std::span<const double> y, std::span<double> y_rate) {
   if (derivatives.empty()) return;
-  const Moment at = (*moment)(t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate));
+  const Moment at{t, y.first(layout.nodes), layout.u(y_rate), layout.w(y_rate)};
   for (std::size_t k = 0; k < derivatives.size(); ++k) {
     Derivative& derivative = *derivatives[k];
     derivative.drive(at);
@@ -196,8 +201,7 @@ void Leg::derivative_rates(double t, std::span<const double> y, std::span<double
     const auto rate = layout.derivative(y_rate, k);
     std::ranges::copy(s.w(), rate.begin());
     derivative.motion().complete_velocity(t, s.u(), rate.u());
-    derivative.motion().force(t, s.u(), rate.u(), rate.w());
-    derivative.motion().accelerate(rate.w());
+    derivative.motion().acceleration(t, s.u(), rate.u(), rate.w());
     impulse_rates(derivative, at, s.u(), {}, rate.impulses());
   }
 }
@@ -216,14 +220,8 @@ void Leg::subtract_inertia(double factor, std::span<const double> x, std::span<d
 void Leg::account_rates(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a,
                         std::span<double> y_rate) {
   if (layout.account() == 0) return;
-  const double loss = frame_loss(system.bar(), t, w);
-  if (layout.dissipated) y_rate[*layout.dissipated] = dissipated_power(system.contacts(), w) + loss;
-  if (layout.dissipated && system.contacts().bend()) y_rate[*layout.dissipated] += stop_loss(system.contacts(), u, w);
-  if (layout.work) y_rate[*layout.work] = system.load().power(t, w) + loss;
-  if (!layout.end_inertia) return;
-  const auto [all, of_frame] = end_power(system, t, u, w, a);
-  y_rate[*layout.end_inertia] = all;
-  if (layout.work) y_rate[*layout.work] += of_frame;
+  const std::array<double, 3> rates = energy_rates(system, layout, t, u, w, [a] { return a; });
+  std::copy_n(rates.begin(), layout.account(), y_rate.begin() + static_cast<std::ptrdiff_t>(2 * layout.nodes));
 }
 
 NonlinearSolver make_step_solver(Leg& leg, const Context& context) {

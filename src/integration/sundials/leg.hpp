@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dynamics/derivative.hpp"
+#include "dynamics/derivative/derivative.hpp"
 #include "integration/layout.hpp"
 #include "integration/sundials/return_flags.hpp"
 #include "integration/sundials/vector.hpp"
@@ -30,9 +30,7 @@ class Leg {
         field(placed.nodes) {
     if (placed.end_inertia || !of_parameters.empty()) acceleration.resize(placed.nodes);
     if (of.bar().side() || of.contacts().bend() || !of_parameters.empty()) new_u.resize(placed.nodes);
-    if (of_parameters.empty()) return;
-    new_w.resize(placed.nodes);
-    moment.emplace(of, of_parameters);
+    if (!of_parameters.empty()) new_w.resize(placed.nodes);
   }
 
   /// x <- D(m,c,k)^{-1} x; factorises only when a coefficient or a contact has changed.
@@ -65,6 +63,8 @@ class Leg {
 
   /// Completes the rate of a state y whose velocities, those of massless nodes included, are layout.u(rate).
   void evaluate(double t, std::span<double> y, std::span<double> rate);
+  /// rate = f(t, y), the velocities of massless nodes being those of their rows.
+  void right_hand_side(double t, std::span<double> y, std::span<double> rate);
 
   /// Rates of the impulse entries of a block, whose displacements are s + x.
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
@@ -82,15 +82,14 @@ class Leg {
   Statistics& statistics;
   std::span<Derivative* const> derivatives;
   void (*solve_step)(Leg&, std::span<double> correction);
-  std::optional<MomentBuilder> moment;  // drives the derivatives, where there are any
-  std::vector<double> new_u, new_w;     // of the step solved for, where somebody asks
-  std::vector<double> field;            // scratch, one entry a node
-  std::vector<double> acceleration;     // scratch, where the energy account needs it
-  std::span<const double> correction;   // of the step or stage solved for last; valid until the next
-  double account_correction = 0.0;      // largest of the energy account, at the step solved for last
-  std::exception_ptr error;             // thrown inside a callback, to be rethrown outside the C frames
-  std::string library_message;          // last message of SUNDIALS
-  void* memory = nullptr;               // of the integrator
+  std::vector<double> new_u, new_w;    // of the step solved for, where somebody asks
+  std::vector<double> field;           // scratch, one entry a node
+  std::vector<double> acceleration;    // scratch, where the energy account needs it
+  std::span<const double> correction;  // of the step or stage solved for last; valid until the next
+  double account_correction = 0.0;     // largest of the energy account, at the step solved for last
+  std::exception_ptr error;            // thrown inside a callback, to be rethrown outside the C frames
+  std::string library_message;         // last message of SUNDIALS
+  void* memory = nullptr;              // of the integrator
 
  private:
   void derivative_rates(double t, std::span<const double> y, std::span<double> y_rate);

@@ -94,7 +94,7 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
   add("span, its nodes together", run.scene.span.has_value(), account.span);
   std::size_t closings = account.left.closings + account.right.closings + account.span.closings;
   for (std::size_t k = 1; k < run.scene.chain.size(); ++k) {
-    const JointAccount joint = k <= account.joints.size() ? account.joints[k - 1] : JointAccount{};
+    const ContactAccount joint = account.joint(k);
     add(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, joint);
     closings += joint.closings;
   }

@@ -99,8 +99,7 @@ Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, 
         impulses.push_back(account.impulse), peaks.push_back(account.peak_reaction);
       };
       tell(done.account->left), tell(done.account->right);
-      for (std::size_t k = 0; k + 1 < run.scene.chain.size(); ++k)
-        tell(k < done.account->joints.size() ? done.account->joints[k] : JointAccount());
+      for (std::size_t k = 0; k + 1 < run.scene.chain.size(); ++k) tell(done.account->joint(k + 1));
       values->accounts(layout, impulses, peaks);
     }
     return values;

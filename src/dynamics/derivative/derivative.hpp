@@ -4,37 +4,17 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/derivative/matrix_rates.hpp"
 #include "dynamics/penalised_system.hpp"
-#include "dynamics/unit_stiffness.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
 
 namespace viscobar {
-
-class Derivative;
-struct Piece;
 
 /// A state of a penalised system, as that measures it, and what derivatives are driven by.
 struct Moment {
   double t = 0.0;
   std::span<const double> u, w;
-  std::span<const double> a, inertia;           ///< u'' and rho M u''; empty: to be left out
-  std::span<const double> strain, strain_rate;  ///< K (u + origin), of walls, too, and K w; empty where nobody asks
-};
-
-/// Makes moments for derivatives, whose drive they share.
-class MomentBuilder {
- public:
-  /// Both outlive it.
-  MomentBuilder(const PenalisedSystem& system, std::span<Derivative* const> derivatives);
-  bool asks_for_inertia() const { return asks_for_inertia_; }
-  /// Valid until the next, and as long as its arguments are. O(n)
-  Moment operator()(double t, std::span<const double> u, std::span<const double> w, std::span<const double> a);
-
- private:
-  const PenalisedSystem& system_;
-  UnitStiffness stiffness_;
-  bool asks_for_inertia_ = false;
-  std::vector<double> inertia_, strain_, strain_rate_;
+  std::span<const double> a;  ///< u''; empty: its force of inertia is to be left out
 };
 
 /// The equation of s = du/dp on a leg. It is that of the bar itself, with the same contacts closed,
@@ -44,30 +24,15 @@ class MomentBuilder {
 ///
 /// the walls, gaps and the load being replaced by their derivatives, f' = (L f)' / L, under the added force
 ///
-///     -(E' - E L'/L) K u - (eta' - eta L'/L) K v - (rho'/rho + L'/L) rho M a + sum_i sigma_i (k_i' d_i + b_i' d_i')
-///     e_i.
+///     -(E K)' u - (eta K)' v - (rho M)' a + sum_i sigma_i (k_i' d_i + b_i' d_i') e_i
 ///
-/// with -M ((k' + k L'/L) u + (c' + c L'/L) v) of a side that resists, and at an end with a spring, a dashpot or a mass
-/// -(k' u + c' v + (m' - (rho'/rho + L'/L) m) a), for m is in M, and does not go like rho L. Where a frame moves with
-/// the ends (see BarSystem), u, v and a in the added force are those of the bar itself, lift included, and s is
-/// measured in the frame of d lift / dp.
+/// with MatrixRates, -M ((k' + k L'/L) u + (c' + c L'/L) v) of a side that resists, and -(k' u + c' v + m' a) at an end
+/// with a spring, a dashpot or a mass. Where a frame moves with the ends (see BarSystem), u, v and a in the added force
+/// are those of the bar itself, lift included, and s is measured in the frame of d lift / dp.
 ///
-/// (K goes like 1 / L, M like L, on graded meshes, too; nodes stay at their part of the bar.) Of bars in line each has
-/// its own numbers, and the first three terms are those of ChainRates; so they are of a parameter of a section, by
-/// differences (see Direction::Beside). So it is a PenalisedSystem of its own, and its dynamic stiffness is that of the
-/// bar.
+/// So it is a PenalisedSystem of its own, and its dynamic stiffness is that of the bar.
 class Derivative {
  public:
-  /// Derivatives of the matrices of a chain, or of a difference: rho'/rho + L'/L of each bar in M, E' - E L'/L and eta'
-  /// - eta L'/L over int dx / A of each element, those of joints that are springs among them.
-  struct ChainRates {
-    BandedMatrix inertia;
-    std::array<std::array<double, 3>, 2> held;  ///< rows of it of fixed ends
-    std::vector<double> elastic, viscous;       ///< of each element
-    UnitStiffness stiffness, viscosity;         ///< of those
-    BandedMatrix whole;                         ///< that of inertia with fixed ends, where the frame moves
-  };
-
   /// `system` outlives it.
   Derivative(PenalisedSystem& system, const Penalty& penalty, const Direction& direction);
   Derivative(const Derivative&) = delete;
@@ -81,23 +46,14 @@ class Derivative {
   /// and gaps, and the relative change of the coefficients of the bar and its contacts.
   double relative_scale(double end) const;
 
-  /// To be called where a leg begins.
-  void begin_leg(double t, double end) { motion_.load().begin_leg(t, end); }
   /// Closes the contacts of the bar, and no others.
   void take_contacts();
-  /// Derivatives of the matrices of the bar, its contacts apart.
-  struct MatrixRates {
-    double inertia;                     ///< of rho M, relative to it
-    double viscosity, modulus;          ///< of eta K and of E K: so many times K
-    std::span<const Support> supports;  ///< of springs, dashpots and, as above, masses
-    const SideRows* side;               ///< k' + k L'/L and c' + c L'/L; null: none
-    const ChainRates* chain;            ///< in place of the first three; null: of one bar
-  };
-  MatrixRates matrix_rates() const {
-    return {inertia_, viscosity_, modulus_, supports_, side_ ? &*side_ : nullptr, chain_ ? &*chain_ : nullptr};
-  }
-  /// out = (rho M)' x of a chain, springs and masses of its ends included. O(n)
-  void multiply_chain_inertia(std::span<const double> x, std::span<double> out) const;
+  const MatrixRates& matrices() const { return matrices_; }        ///< of the bar
+  std::span<const Support> supports() const { return supports_; }  ///< k', c' and m' of the ends, where one is not 0
+  /// k' + k L'/L and c' + c L'/L along the bar; null: none.
+  const SideRows* side() const { return side_ ? &*side_ : nullptr; }
+  /// out = (rho M)' x, masses of the ends included; false: that is zero, and nothing is done. O(n)
+  bool multiply_inertia(std::span<const double> x, std::span<double> out) const;
   /// True if s has a load, or the frame an added force, that depends on time.
   bool load_varies() const { return motion_.load().varies() || (driven_ && system_.bar().frame().moving()); }
   /// Sets the added force for the state of the bar. O(n)
@@ -149,26 +105,32 @@ class Derivative {
   struct LawRates {
     double stiffness, damping;  // of a stop those of its numbers
   };
-  void take_side(const Direction& direction, double stretched);
-  void take_chain(const Direction& direction);
-  void take_difference(const Direction& direction);
-  void find_start(const Direction& direction, std::span<const Piece> pieces);
+  void take_side(const Direction& direction);
+  LawRates stop_rates(std::size_t i, const Direction& direction);
+  LawRates spring_rates(std::size_t i, const Penalty& penalty, const Direction& direction) const;
   double mass_growth(const Contact& contact) const;
-  double elastic_of(std::size_t element) const {
-    return chain_ ? chain_->elastic[element] : modulus_ / system_.bar().elements().stretch(element);
-  }
-  double viscous_of(std::size_t element) const {
-    return chain_ ? chain_->viscous[element] : viscosity_ / system_.bar().elements().stretch(element);
-  }
+  void add_lift(const Lift& lift, const Lift& rate, const Lift& acceleration, std::span<double> out) const;
   // dR/dp at the same motion.
   double law_rate(std::size_t i, double clearance, double w) const;
-  void add_frame();
+  // Functions of the node: a lift, displacements in the frame, those of the bar itself, its velocities.
+  auto lifted(const Lift& lift) const {
+    return [this, lift](std::size_t j) { return lift.at(system_.bar().elements().share(j)); };
+  }
+  auto in_frame(std::span<const double> u) const {
+    return [this, of = system_.bar().unknowns().displacement_at_nodes(u)](std::size_t j) {
+      const std::size_t i = j - system_.bar().unknowns().first_node();
+      return of(j) + (i < system_.size() ? contacts_.origin().at(i) : 0.0);
+    };
+  }
+  auto placed(std::span<const double> u) const {
+    return [of = in_frame(u), by = lifted(lift_[0])](std::size_t j) { return of(j) + by(j); };
+  }
+  auto moving(std::span<const double> w) const {
+    return [of = system_.bar().unknowns().at_nodes(w), by = lifted(lift_[1])](std::size_t j) { return of(j) + by(j); };
+  }
   // Terms of the frame, by the end's entry among the unknowns.
-  auto placed(std::span<const double> u) const;  // the displacement of the bar itself at a node
-  auto moving(std::span<const double> w) const;  // its velocity
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
   double lift_stretch(std::size_t end, const Lift& lift) const;
-  double lift_stress(const Lift& lift, const Lift& rate) const;
   double displacement(std::size_t end, std::span<const double> u) const;  // of the bar itself
   double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
@@ -176,16 +138,15 @@ class Derivative {
   PenalisedSystem& system_;
   BarSystem data_;
   PenalisedSystem motion_;
-  const Contacts& contacts_;              // of the bar
-  Contacts& of_contacts_;                 // of s
-  double relative_change_;                // of what the bar and its contacts are made of
-  double modulus_, viscosity_, inertia_;  // E' - E L'/L, eta' - eta L'/L, rho'/rho + L'/L
+  const Contacts& contacts_;  // of the bar
+  Contacts& of_contacts_;     // of s
+  MatrixRates matrices_;
+  std::vector<double> start_;  // see start_of_masses()
+  double relative_change_;     // of what the bar and its contacts are made of
   std::vector<LawRates> laws_;
-  std::vector<Support> supports_;  // k', c' and m' - (rho'/rho + L'/L) m of the ends
+  std::vector<Support> supports_;
   std::optional<SideRows> side_;
-  std::optional<ChainRates> chain_;
-  std::vector<double> added_, product_;
-  std::vector<double> start_;  // of a chain, or of a difference: what masses change the initial velocity by; or empty
+  std::vector<double> added_;
   std::array<std::vector<double>, 2> lift_inertia_;  // (rho M)' (1 - x/L) and (rho M)' x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last
   bool driven_ = false;                              // by the motion of the bar
