@@ -113,7 +113,7 @@ struct SweepRow {
   std::size_t index = 0;   ///< of the case in its plan
   bool completed = false;  ///< true if it reached the end of its time
   std::string error;       ///< empty when completed; cut off after longest_error bytes
-  /// Of the quantities, or of SweepPlan::bars; NaN where the case has no such value.
+  /// The quantities, or the numbers of SweepPlan::bars; NaN where the case has no such value.
   std::vector<double> values = std::vector<double>(quantities, std::numeric_limits<double>::quiet_NaN());
   std::vector<double> joints{};       ///< that make the columns behind the quantities; NaN of a joint without a contact
   std::vector<double> chosen{};       ///< that make the next columns; empty where no error is to be kept
