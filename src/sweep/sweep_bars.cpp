@@ -107,7 +107,8 @@ std::vector<std::pair<std::string, std::string>> plan_bars(SweepFile& sweep) {
     try {
       add_columns(columns, ensemble_output(text, common->run));
     } catch (const std::invalid_argument& error) {
-      wrong.emplace_back("ensemble.outputs", error.what());
+      const std::string_view what = error.what(), key = "outputs: ";
+      wrong.emplace_back("ensemble.outputs", what.substr(what.starts_with(key) ? key.size() : 0));
     }
   }
   columns.insert(columns.end(), {{"steps", "1", "steps of the run"},
