@@ -18,6 +18,7 @@ const isGeometric = (values) => {
 
 class SweepPage {
   static height = 430;
+  static mostNamed = 18; // lines that the legend names; more of them are a map at first
   get width() { return Math.max(320, Math.min(960, this.host.clientWidth)); }
 
   /// @param data what src/sweep/sweep_page.cpp writes
@@ -28,7 +29,8 @@ class SweepPage {
     const x = varying.filter(({ numeric }) => numeric).sort((a, b) => b.values.length - a.values.length)[0] ?? varying[0] ?? this.keys[0];
     const second = data.zip ? null : varying.find((key) => key !== x) ?? null;
     this.state = { column: Math.max(0, data.columns.findIndex(({ name }) => name === data.first)), x: x.place, second: second?.place ?? null,
-      map: false, log: false, filters: this.keys.map(() => 0), chosen: null };
+      map: (second?.values.length ?? 0) > SweepPage.mostNamed, log: false,
+      filters: this.keys.map(() => 0), chosen: null };
     this.build();
     this.draw();
     let width = this.width;
@@ -125,11 +127,11 @@ class SweepPage {
         svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${places.map((place) => place.map((v) => v.toFixed(1)).join(" ")).join("L")}` }));
       own.forEach((point, i) => svg.append(this.shape(point, column, "path", "mark",
         { style: `fill:${css};stroke:${css}`, d: marker, transform: `translate(${places[i].join(" ")}) scale(${own.length > 120 ? 0.5 : 1})` })));
-      if (!second || k > 18) continue;
+      if (!second || k > SweepPage.mostNamed) continue;
       const height = 24 + 19 * k;
       svg.append(svgElement("path", { class: "line", style: `stroke:${css};stroke-width:1.6;stroke-dasharray:${dash || "none"}`, d: `M${right + 12} ${height}h26` }),
         svgElement("path", { style: `fill:${css};stroke:${css}`, d: marker, transform: `translate(${right + 25} ${height})` }),
-        svgElement("text", { x: right + 46, y: height, dy: ".35em" }, k === 18 ? "…" : this.valueText(second.values[k])));
+        svgElement("text", { x: right + 46, y: height, dy: ".35em" }, k === SweepPage.mostNamed ? "…" : this.valueText(second.values[k])));
     }
     if (second) svg.append(svgElement("text", { class: "note", x: right + 12, y: 10 }, second.label));
   }
