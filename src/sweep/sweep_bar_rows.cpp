@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -10,14 +11,14 @@
 
 namespace viscobar {
 
-std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const SweepCase> cases,
+std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const std::size_t> indices,
                                const std::function<bool()>& interrupted) {
   const WallClock clock;
   const Stopwatch watch;
   EnsembleStudy study;
   std::vector<std::vector<double>> values(sweep.plan.keys.size());
-  for (const SweepCase& one : cases) {
-    const std::vector<double> own = values_of_bar(sweep.plan, one.index);
+  for (const std::size_t index : indices) {
+    const std::vector<double> own = values_of_bar(sweep.plan, index);
     for (std::size_t k = 0; k < own.size(); ++k) values[k].push_back(own[k]);
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -28,18 +29,18 @@ std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const SweepCase
   study.outputs = sweep.ensemble.outputs;
   study.error = sweep.ensemble.error;
   study.common = sweep.ensemble.common;
-  study.most_messages = cases.size();
+  study.most_messages = indices.size();
   study.threads = 1;
   study.stop = interrupted;
   const EnsembleResult result = ensemble(study);
   const std::map<std::size_t, std::string> messages(result.messages.begin(), result.messages.end());
-  const auto count = static_cast<double>(cases.size());
+  const auto count = static_cast<double>(indices.size());
   std::vector<SweepRow> rows;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
     const BarStatus status = result.status[i];
     if (status == BarStatus::not_run) continue;
     SweepRow row;
-    row.index = cases[i].index;
+    row.index = indices[i];
     row.completed = status == BarStatus::kept;
     row.values.clear();
     for (std::size_t o = 0; o < result.values.size(); ++o) {
@@ -55,7 +56,9 @@ std::vector<SweepRow> run_bars(const SweepFile& sweep, std::span<const SweepCase
     if (const auto message = messages.find(i); message != messages.end())
       row.error = fitting(one_line(message->second));
     else if (status == BarStatus::not_kept)
-      row.error = fmt::format("the error that was asked for is not kept: {:.3g}", result.error[i]);
+      row.error = std::isnan(result.error[i])
+                      ? "no estimate of the error could be made"
+                      : fmt::format("the error that was asked for is not kept: {:.3g}", result.error[i]);
     row.seconds = clock.seconds() / count;
     row.integration_seconds = watch.seconds() / count;
     rows.push_back(std::move(row));

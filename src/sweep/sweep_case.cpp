@@ -167,12 +167,12 @@ std::string fitting(std::string text) {
   return text += cut_off;
 }
 
-std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const SweepCase> cases,
+std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const std::size_t> indices,
                                 const std::function<bool()>& interrupted) {
-  if (!sweep.ensemble.outputs.empty()) return run_bars(sweep, cases, interrupted);
+  if (!sweep.ensemble.outputs.empty()) return run_bars(sweep, indices, interrupted);
   std::vector<SweepRow> rows;
-  for (const SweepCase& one : cases)
-    if (auto row = run_case(sweep.scene_text, one, interrupted)) rows.push_back(*std::move(row));
+  for (const std::size_t i : indices)
+    if (auto row = run_case(sweep.scene_text, case_of(sweep, i), interrupted)) rows.push_back(*std::move(row));
   return rows;
 }
 

@@ -14,16 +14,16 @@
 namespace viscobar {
 
 SweepQueue::SweepQueue(const SweepFile& sweep, std::span<const double> costs, const std::vector<bool>& to_run)
-    : sweep_(sweep), costs_(costs) {
+    : batch_(sweep.ensemble.batch), costs_(costs) {
   for (const std::size_t i : dispatch_order(costs))
     if (to_run.empty() || to_run[i]) left_.push_back(i);
 }
 
-std::vector<SweepCase> SweepQueue::take() {
-  std::vector<SweepCase> cases;
-  for (; cases.size() < sweep_.ensemble.batch && !left_.empty(); left_.pop_front())
-    cases.push_back(case_of(sweep_, left_.front()));
-  return cases;
+std::vector<std::size_t> SweepQueue::take() {
+  const auto end = left_.begin() + static_cast<std::ptrdiff_t>(std::min(batch_, left_.size()));
+  const std::vector<std::size_t> indices(left_.begin(), end);
+  left_.erase(left_.begin(), end);
+  return indices;
 }
 
 double SweepQueue::seconds() const {
@@ -40,13 +40,13 @@ bool run_on_threads(const SweepWork& work, std::size_t threads) {
     try {
       while (!stopped()) {
         std::unique_lock lock(mutex);
-        const std::vector<SweepCase> cases = work.queue.take();
-        if (cases.empty()) return;
+        const std::vector<std::size_t> indices = work.queue.take();
+        if (indices.empty()) return;
         lock.unlock();
-        std::vector<SweepRow> rows = run_cases(work.sweep, cases, stopped);
+        std::vector<SweepRow> rows = run_cases(work.sweep, indices, stopped);
         lock.lock();
         std::ranges::move(rows, std::back_inserter(finished));
-        if (rows.size() < cases.size()) return;
+        if (rows.size() < indices.size()) return;
       }
     } catch (...) {
       stop = true;

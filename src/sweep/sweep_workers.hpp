@@ -16,14 +16,14 @@ class SweepQueue {
   /// `costs` of all cases; `to_run` says which of them; empty: all.
   SweepQueue(const SweepFile& sweep, std::span<const double> costs, const std::vector<bool>& to_run = {});
 
-  /// To run now; empty: none is left.
-  std::vector<SweepCase> take();
+  /// Indices of those to run now; empty: none is left.
+  std::vector<std::size_t> take();
 
   std::size_t size() const { return left_.size(); }
   double seconds() const;
 
  private:
-  const SweepFile& sweep_;
+  std::size_t batch_;
   std::span<const double> costs_;
   std::deque<std::size_t> left_;
 };

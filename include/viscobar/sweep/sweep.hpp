@@ -198,8 +198,8 @@ struct SweepPart {
 /// @throws SceneError when all of a whole sweep are refused, with all reasons
 std::vector<double> plan_cases(const SweepFile& sweep, std::size_t threads = 0, const SweepPart& part = {});
 
-/// Runs cases of a sweep; fewer where `interrupted` says yes.
-std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const SweepCase> cases,
+/// Runs cases of a sweep by their indices; fewer where `interrupted` says yes.
+std::vector<SweepRow> run_cases(const SweepFile& sweep, std::span<const std::size_t> indices,
                                 const std::function<bool()>& interrupted = {});
 
 /// Runs a case of the scene in `scene_text`. Whatever goes wrong with it is in the row: findings of the scene, the
