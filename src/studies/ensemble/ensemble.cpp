@@ -42,8 +42,9 @@ class EnsembleRun {
     for (const std::string& text : study.outputs) outputs.push_back(ensemble_output(text, run));
     layout_.emplace(std::move(outputs), run, study.error.has_value());
     const bool rigid = study.error && run.automatic && run.method == MethodName::rigid;
-    if (study.lanes && run.scene.chain.empty() && (rigid || run.method == MethodName::fully_discrete))
-      members_.emplace(run, first_.mass, study.keys);
+    // A step that the scene leaves open is each bar's own; bars side by side share one.
+    const bool by_step = run.method == MethodName::fully_discrete && (study.error || run.step);
+    if (study.lanes && run.scene.chain.empty() && (rigid || by_step)) members_.emplace(run, first_.mass, study.keys);
     if (members_ && (!members_->pattern() || holds_reactions())) members_.reset();
     shared_ = {run.end, first_.step, run.start, run.elements, study.error, rigid};
     result_.bars = bars_;
