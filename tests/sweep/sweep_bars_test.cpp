@@ -82,8 +82,9 @@ TEST(SweepOfBars, HasTheNumbersOfTheEnsembleToTheBit) {
 }
 
 TEST(SweepOfBars, HasTheSameRowsWhicheverRunTogether) {
-  // The first case alone decides that bars go side by side, an elastic one among them: not the first of a batch.
-  const std::string ends = "[vary]\nbar.viscosity = [0.2, 0, 0.1, 0.4, 0]\nleft.gap = [0.1, 0.15, 0.2]\n";
+  // The first case alone says that ends side by side have no mass, and not the first of a batch.
+  const std::string ends =
+      "[set]\nmesh.mass = \"redistributed\"\n[vary]\nleft.mass = [0.0, 0.5, 0.3, 0.0, 0.4]\nleft.gap = [0.1, 0.15, 0.2]\n";
   SweepFile sweep = sweep_of(ends + "[ensemble]\noutputs = [\"final\", \"peak_left\"]\nerror = 1e-2\n");
   const std::vector<SweepRow> at_once = rows_of(sweep, 1), of_threads = rows_of(sweep, 3);
   sweep.ensemble.batch = 2;
