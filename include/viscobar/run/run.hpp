@@ -134,13 +134,13 @@ struct TimeInContact {
 /// The account of a contact, as exact between the output times as the method is: R is the reaction of its steps (a
 /// polynomial each; of a scheme, values at its steps and linear between), N at a joint.
 struct ContactAccount {
-  std::size_t closings = 0;  ///< how often it closed; of a span obstacle those of all nodes
-  TimeInContact contact;     ///< from its closing to its opening, of any node under a span obstacle
+  std::size_t closings = 0;  ///< closings; under a span obstacle the sum over its nodes
+  TimeInContact contact;     ///< time closed; under a span obstacle while any node is
   double impulse = 0.0;      ///< int R dt, a force times a time
   /// max |R|. Of an impact it may have no limit for finer meshes, stiffer springs or shorter steps: see
   /// viscobar::peak_remark().
   double peak_reaction = 0.0;
-  ContactPeak latest;  ///< of the contact that lasts, or else of the last one
+  ContactPeak latest;  ///< peak of the present contact, or else of the last one
 };
 
 /// Contact of one end with its own obstacles and the range of its displacement, u being that of the steps, too. R is
