@@ -36,6 +36,9 @@ class ActingLoad {
   double at(std::size_t unknown, double t) { return of_bar(unknown, t) + (added_.empty() ? 0.0 : added_[unknown]); }
   /// (M f)_i, evaluated at that node alone.
   double alone(std::size_t unknown, double t) const { return load_ ? load_->at(t, unknown) : 0.0; }
+  /// (M f)_i = history(t) factor(i) where it has one (see LoadVector).
+  std::optional<double> factor(std::size_t unknown) const { return load_ ? load_->factor(unknown) : std::nullopt; }
+  double history(double t) const { return load_->history(t); }
   /// (M f)_e of a fixed end.
   double held(bool right, double t) const { return load_ ? load_->at_held(t, right) : 0.0; }
   /// Adds all of it.

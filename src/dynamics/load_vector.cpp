@@ -239,6 +239,13 @@ const std::vector<double>* LoadVector::profile() const {
   return alone ? &separable->weighted : nullptr;
 }
 
+std::optional<double> LoadVector::factor(std::size_t unknown) const {
+  const auto* separable = load_as<NodalLoad::Separable>();
+  const bool forced = load_ && load_->varying_forces && (unknown == 0 || unknown + 1 == system_.size());
+  if (!separable || forced || system_.frame().moving() || !difference_.empty()) return std::nullopt;
+  return separable->weighted[unknown];
+}
+
 double LoadVector::history(double t) const { return separable_history(inside(t)); }
 
 double LoadVector::separable_history(double t) const {

@@ -210,11 +210,6 @@ std::optional<double> descend(Interval on, std::size_t degree, double threshold,
   return descend(on, degree, threshold, finest, before);
 }
 
-// Comparisons with what is no number would halve for ever.
-void require_finite(std::span<const double> c) {
-  if (!std::isfinite(std::accumulate(c.begin(), c.end(), 0.0))) throw not_finite();
-}
-
 // Raises `known` to the largest value on the interval, unless its hull stays below.
 void raise(Interval on, std::size_t degree, double rounding, double& known) {
   constexpr double finest = 1e-9;  // squared, it is what the value at a maximum loses by its place
@@ -236,12 +231,13 @@ void raise(Interval on, std::size_t degree, double rounding, double& known) {
 }  // namespace
 
 double Bernstein::largest(double known) const {
-  const auto [least, most] = std::minmax_element(c_.begin(), c_.begin() + static_cast<std::ptrdiff_t>(degree_) + 1);
-  if (*most <= known) return known;
-  require_finite({c_.data(), degree_ + 1});
+  double sum = c_[0], least = c_[0], most = c_[0];
+  for (std::size_t j = 1; j <= degree_; ++j) sum += c_[j], least = std::min(least, c_[j]), most = std::max(most, c_[j]);
+  if (most <= known) return known;
+  if (!std::isfinite(sum)) throw not_finite();  // comparisons would halve for ever
   known = std::max({known, c_[0], c_[degree_]});
-  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(*most), std::abs(*least));
-  raise({c_, 0.0, 1.0}, degree_, rounding, known);
+  const double rounding = std::numeric_limits<double>::epsilon() * std::max(std::abs(most), std::abs(least));
+  if (most > known + rounding) raise({c_, 0.0, 1.0}, degree_, rounding, known);
   return known;
 }
 

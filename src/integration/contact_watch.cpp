@@ -39,6 +39,8 @@ void ContactWatch::ask_for(std::vector<std::size_t>& entries) {
     for (const std::size_t entry : end.entries) positions_.push_back(position_of(entry, entries));
   span_.ask_for(entries);
   joints_.ask_for(entries);
+  places_.resize(2 * bar_.size());
+  for (std::size_t k = 0; k < entries.size(); ++k) places_[entries[k]] = k;
 }
 
 void ContactWatch::select(std::vector<std::size_t>& positions) const {
@@ -48,7 +50,6 @@ void ContactWatch::select(std::vector<std::size_t>& positions) const {
     first += static_cast<std::ptrdiff_t>(end.entries.size());
   }
   span_.select(positions);
-  joints_.select(positions);
 }
 
 inline std::array<double, 6> ContactWatch::values_of(const End& end, std::span<const double> u,
@@ -143,7 +144,7 @@ void ContactWatch::add_rates(double weight, double t, std::span<const double> y)
 }
 
 bool ContactWatch::concerned(double to, double fastest) const {
-  return bar_.frame().moving() || span_.closed() || joints_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
+  return bar_.frame().moving() || span_.closed() || std::ranges::any_of(ends_, [&](const End& end) {
            const EndAccount& account = *end.account;
            const double room = std::min(account.highest - account.displacement, account.displacement - account.lowest);
            return (extremes_.ranges && fastest * (to - seen_) >= room) || closed(end);
@@ -170,7 +171,6 @@ void ContactWatch::look_at(double from, double to, std::size_t order, std::span<
     position += end.entries.size();
   }
   span_.look_at(order, y);
-  joints_.look_at(from, to, order, y);
 }
 
 bool ContactWatch::resolved() const {
@@ -204,7 +204,7 @@ void ContactWatch::strike(std::size_t i, double impulse, std::span<const double>
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
   span_.add(seen_, length_, order_);
-  joints_.add(seen_, length_, order_, extremes_.peaks);
+  if (!forms_.empty()) add_joints(seen_ - length_, seen_, order_, form_points_);
   for (End& end : ends_) {
     if (extremes_.ranges) add_range(end);
     if (end.shut && extremes_.peaks) raise_peak(*end.account, used(end.force), seen_, length_);

@@ -62,6 +62,9 @@ class ContactWatch {
     }
   }
 
+  /// Appends the forms of joints, as long as the contacts are as they are.
+  void ask_for(std::vector<LinearForm>& forms) { joints_.ask_for(forms); }
+
   /// The run is at t in the state (u, w): at its beginning, and wherever contacts change.
   void begin(double t, std::span<const double> u, std::span<const double> w);
 
@@ -74,8 +77,12 @@ class ContactWatch {
   bool within(std::span<const double> lowest, std::span<const double> highest, std::span<const double> last) const;
   /// Adds such a step up to `to`.
   void pass(double to, std::span<const double> last);
-  /// True if the step up to `to` counts, velocities being below `fastest` in it: not where an end is open and cannot
-  /// have got beyond the range that it has been in.
+  /// Adds what joints have of the step, or the part of one, from `from` up to `to`, by all forms at its points.
+  void add_joints(double from, double to, std::size_t order, std::span<const PointValues> forms) {
+    joints_.add(from, to, order, forms, extremes_.peaks);
+  }
+  /// True if the step up to `to` counts but for joints, velocities being below `fastest` in it: not where an end is
+  /// open and cannot have got beyond the range that it has been in.
   bool concerned(double to, double fastest) const;
 
   /// Looks at the step from `from` up to `to`, by the entries at its points and their rates.
@@ -92,6 +99,20 @@ class ContactWatch {
     select_rates(selected_);
     if (!selected_.empty()) sample_points(from, to, order, selected_, rate_points_, rate);
     look_at(from, to, order, std::span<const PointValues>(points_), std::span<const PointValues>(rate_points_));
+  }
+
+  /// Looks at the joints of the step likewise, for a method that has no forms.
+  template <class Sample>
+  void look_at_joints(double from, double to, std::size_t order, Sample&& sample) {
+    forms_.clear();
+    joints_.ask_for(forms_);
+    selected_.clear();
+    for (LinearForm& form : forms_)
+      for (std::size_t k = 0; k < form.count; ++k) selected_.push_back(form.entries[k] = places_[form.entries[k]]);
+    sample_points(from, to, order, selected_, points_, sample);
+    form_points_.resize(forms_.size());
+    for (std::size_t i = 0; i < forms_.size(); ++i)
+      Points<16>::Map(form_points_[i].data()) = forms_[i].of_points<16>(points_);
   }
 
   /// Adds to the impulses of springs() that are closed what a step that has been added or passed brings: by Gauss'
@@ -210,8 +231,10 @@ class ContactWatch {
   std::vector<End> ends_;
   SpanForce span_;
   JointForces joints_;
-  std::vector<std::size_t> positions_;  // of the ends' entries among all, end by end
-  std::vector<std::size_t> selected_;
+  std::vector<std::size_t> positions_;          // of the ends' entries among all, end by end
+  std::vector<std::size_t> selected_, places_;  // the latter: of each entry that forms take
+  std::vector<LinearForm> forms_;
+  std::vector<PointValues> form_points_;
   std::vector<PointValues> points_, rate_points_;  // of these
   double length_ = 0.0, seen_ = 0.0;               // of the step looked at, and its end
   std::size_t order_ = 0;

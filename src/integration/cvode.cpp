@@ -20,6 +20,7 @@ const MultistepLibrary library{"CVode",
                                CVodeGetDky,
                                CVodeGetLastOrder,
                                CVodeGetCurrentTime,
+                               CVodeGetLastStep,
                                CVodeSetMaxOrd,
                                CVodeSetStopTime,
                                CVodeSetMaxStep,
@@ -27,7 +28,8 @@ const MultistepLibrary library{"CVode",
                                CVodeWFtolerances,
                                CVodeSetNonlinearSolver,
                                CVodeGetReturnFlagName,
-                               Library::cvode};
+                               Library::cvode,
+                               false};
 
 // The corrector of CVODE asks for x with  x = gamma f(t, y_pred + x) - rl1 z,  z the scaled rate of the predictor.
 void solve_step(Leg& leg, std::span<double> correction) {

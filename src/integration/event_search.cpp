@@ -31,6 +31,7 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
       indicators_(contacts_, system.load()),
       stepper_(stepper),
       count_(system.contacts().size()),
+      form_of_(count_, none),
       samples_(count_),
       state_(size),
       pulls_(count_) {
@@ -63,6 +64,17 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
   find_rated();
 }
 
+void EventSearch::ask_for(std::vector<LinearForm>& forms) {
+  for (std::size_t i = 0; i < count_ && selects(); ++i) {
+    look_up(i);
+    form_of_[i] = none;
+    if (contacts_[i].joint == 0 || !weights_[i].offset || contacts_.holds_mass(i) || lets_go(i)) continue;
+    form_of_[i] = forms.size();
+    LinearForm& form = forms.emplace_back();
+    for (const std::size_t k : {1, 2}) form.add(entries_[first_[i] + k], weights_[i].values[k]);
+  }
+}
+
 void EventSearch::share(std::size_t sampled) {
   lowest_.resize(sampled);
   highest_.resize(sampled);
@@ -74,14 +86,17 @@ void EventSearch::share(std::size_t sampled) {
   if (contacts_.collides()) values_.resize(sampled);
 }
 
-std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends) {
+std::optional<double> EventSearch::first_change(double begin, double end, std::optional<ContactWatch>& ends,
+                                                std::span<const PointValues> forms) {
   quiet_ = !selects() && proved_quiet(ends);
-  if (quiet_ || (selects() && !look_at_the_near())) return std::nullopt;
+  if (quiet_ || (selects() && !look_at_the_near(forms))) return std::nullopt;
   const std::size_t order = stepper_.order();
-  const std::span<const PointValues> points = stepper_.samples(begin, end, 0, near_);
+  const std::span<const PointValues> points =
+      near_.empty() ? std::span<const PointValues>() : stepper_.samples(begin, end, 0, near_);
   std::span<const PointValues> rates;
   if (!rated_.empty()) rates = stepper_.samples(begin, end, 1, rated_);
   for (const std::size_t i : looked_at_) {
+    if (by_form(i)) continue;
     orient(i, begin, end, weights_[i], points, rates, samples_[i]);
     if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
   }
@@ -90,14 +105,13 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
   bool later = false, narrowed = false;
   // Where a contact changes is looked for by its own entries.
   const auto narrow = [&](std::size_t i) {
-    if (selects()) return;
     own_.clear();
     for (std::size_t k = first_[i], behind = end_of_needed(i); k < behind; ++k) own_.push_back(k);
     stepper_.select(own_);
     narrowed = true;
   };
   const auto widened = [&](auto found) {
-    if (narrowed) stepper_.select(selected_);
+    if (narrowed && !selects()) stepper_.select(selected_);
     return found;
   };
   for (const std::size_t i : looked_at_) {
@@ -368,17 +382,35 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
 
 // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
-bool EventSearch::look_at_the_near() {
-  select_entries(all_);
-  const bool bounded = stepper_.hull(lowest_, highest_, last_);
+bool EventSearch::look_at_the_near(std::span<const PointValues> forms) {
   looked_at_.clear();
-  for (std::size_t i = 0; i < count_; ++i)
-    if (!bounded || !far(i)) looked_at_.push_back(i);
-  if (looked_at_.empty()) return false;
+  std::ranges::copy_if(all_, std::back_inserter(looked_at_), [this](std::size_t i) { return !by_form(i); });
+  select_entries(looked_at_);
+  const bool bounded = looked_at_.empty() || stepper_.hull(lowest_, highest_, last_);
+  if (bounded) std::erase_if(looked_at_, [this](std::size_t i) { return far(i); });
   for (const std::size_t i : looked_at_) look_up(i);
   select_entries(looked_at_);
   find_rated();
-  return true;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (by_form(i) && !far(i, forms[form_of_[i]])) looked_at_.push_back(i);
+  std::ranges::sort(looked_at_);
+  return !looked_at_.empty();
+}
+
+// Orients the samples of its form. They tell that contact i is far if they, and what a polynomial may leave their range
+// by, are on one side, and a closed one is not as deep as one has been.
+bool EventSearch::far(std::size_t i, const PointValues& form) {
+  const double direction = sign(i), offset = *weights_[i].offset;
+  auto p = Points<16>::Map(samples_[i].data());
+  p = direction * (Points<16>::Map(form.data()) + offset);
+  const std::size_t order = stepper_.order();
+  double least = p[0], most = p[0];
+  for (std::size_t j = 1; j <= order; ++j)
+    least = std::min(least, samples_[i][j]), most = std::max(most, samples_[i][j]);
+  const double excess = Bernstein::excess(order) * (most - least);
+  if (contacts_[i].collides && !contacts_.closed(i)) stepper_.weights().widen(i, most);
+  return least - excess > 0.0 &&
+         (!contacts_.closed(i) || contacts_[i].penetration_share() * (most + excess) <= max_penetration_);
 }
 
 void EventSearch::find_rated() {

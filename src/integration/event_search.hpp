@@ -52,6 +52,8 @@ class EventSearch {
     selected_ = positions;
     if (ends && !selects() && !ends->idle()) ends->select_rates(rated_);
   }
+  /// Appends the forms whose samples tell what contacts at joints do, as long as these are as they are.
+  void ask_for(std::vector<LinearForm>& forms);
   /// The stepper samples so many entries, those of the search the first of them.
   void share(std::size_t sampled);
   /// True if the search selects what the stepper samples.
@@ -59,7 +61,9 @@ class EventSearch {
 
   /// Time of the first change in [begin, end], the step that the stepper has made last. Absent: no contact changes.
   /// Unless the search selects, `ends` looks at the samples, too.
-  std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends);
+  /// `forms`: the samples of all forms.
+  std::optional<double> first_change(double begin, double end, std::optional<ContactWatch>& ends,
+                                     std::span<const PointValues> forms);
 
   /// True if the bar may come to an obstacle that moves in that step, of a run of length `whole`.
   bool may_reach_moving(double begin, double end, double whole);
@@ -95,6 +99,7 @@ class EventSearch {
   // one entry, its displacement, but for stops at the ends that let go, and for those of joints, which have those of
   // both nodes.
   static constexpr std::size_t few = 4;
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
   // Values of all sampled entries, and their rates where an indicator asks for them.
   struct Sample {
@@ -102,7 +107,8 @@ class EventSearch {
   };
 
   bool proved_quiet(const std::optional<ContactWatch>& ends);
-  bool look_at_the_near();
+  bool look_at_the_near(std::span<const PointValues> forms);
+  bool by_form(std::size_t i) const { return form_of_[i] != none; }
   void find_rated();
   bool lets_go(std::size_t i) const { return lets_go_ && pushes_[i]; }
   void look_up(std::size_t i);  // its weights, as the contacts are
@@ -112,6 +118,7 @@ class EventSearch {
   }
   void select_entries(const std::vector<std::size_t>& contacts);
   bool far(std::size_t i) const;
+  bool far(std::size_t i, const PointValues& form);
   double uncertainty(std::size_t i) const;
   double against(std::size_t i, double t, std::span<const double> y);
   double against(std::size_t i, double t);
@@ -177,6 +184,7 @@ class EventSearch {
   std::vector<std::size_t> own_;              // entries of one contact
   std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
+  std::vector<std::size_t> form_of_;                     // the place of each contact's form, or none
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end
   std::vector<IndicatorWeights> weights_;                // of those
   std::vector<PointValues> samples_, push_samples_;      // of the oriented indicators of a step

@@ -16,8 +16,9 @@ namespace {
 using namespace sundials;
 
 const MultistepLibrary library{
-    "IDA",         IDAGetDky,      IDAGetLastOrder, IDAGetCurrentTime,     IDASetMaxOrd,         IDASetStopTime,
-    IDASetMaxStep, IDASetUserData, IDAWFtolerances, IDASetNonlinearSolver, IDAGetReturnFlagName, Library::ida};
+    "IDA",          IDAGetDky,     IDAGetLastOrder, IDAGetCurrentTime, IDAGetLastStep,        IDASetMaxOrd,
+    IDASetStopTime, IDASetMaxStep, IDASetUserData,  IDAWFtolerances,   IDASetNonlinearSolver, IDAGetReturnFlagName,
+    Library::ida,   true};
 
 // The corrector of IDA asks for x with G(t, y_pred + x, y'_pred + cj x) = 0, where
 //     G_u = u' - w,      G_w = rho M w' - F(t, u, u').

@@ -24,64 +24,60 @@ JointForces::JointForces(const Contacts& contacts, const ActingLoad& load, RunAc
 }
 
 void JointForces::begin() {
-  for (Joint& joint : joints_) joint.row = joint_row(contacts_, joint.contact);
+  for (Joint& joint : joints_) {
+    joint.row = joint_row(contacts_, joint.contact);
+    joint.load_factor = 0.0;
+    joint.row.sum_over_rows([&](std::size_t node) {
+      const auto factor = load_.factor(node);
+      joint.load_factor = joint.load_factor && factor ? std::optional(*joint.load_factor + *factor) : std::nullopt;
+      return 0.0;
+    });
+  }
 }
 
 void JointForces::ask_for(std::vector<std::size_t>& entries) {
   const std::size_t n = contacts_.bar().size();
-  for (Joint& joint : joints_) {
-    const auto& row = joint.row;
-    std::size_t k = 0;
-    for (const std::size_t entry : {row.node, row.next, n + row.node, n + row.next, n + row.beyond, row.beyond})
-      if (k < used()) joint.positions[k++] = position_of(entry, entries);
+  for (const Joint& joint : joints_) {
+    const auto& [node, next, beyond] = std::tie(joint.row.node, joint.row.next, joint.row.beyond);
+    for (const std::size_t entry : {node, next, beyond, n + node, n + next, n + beyond}) position_of(entry, entries);
   }
 }
 
-void JointForces::select(std::vector<std::size_t>& positions) const {
-  for (const Joint& joint : joints_)
-    if (contacts_.closed(joint.contact))
-      positions.insert(positions.end(), joint.positions.begin(),
-                       joint.positions.begin() + static_cast<std::ptrdiff_t>(used()));
+void JointForces::ask_for(std::vector<LinearForm>& forms) {
+  const std::size_t n = contacts_.bar().size();
+  for (Joint& joint : joints_) {
+    if (!contacts_.closed(joint.contact)) continue;
+    const JointRow& row = joint.row;
+    const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond};
+    std::array<double, 3> origins{};
+    for (std::size_t k = 0; k < 3 && !origin_.empty(); ++k) origins[k] = origin_[unknowns[k]];
+    const double apart = origins[0] - origins[1];
+    joint.forms = forms.size();
+    if (contacts_[joint.contact].by_law) {  // the clearance, and its rate
+      joint.rest = apart + contacts_[joint.contact].gap;
+      forms.push_back({{row.node, row.next}, {1.0, -1.0}, 2});
+      forms.push_back({{n + row.node, n + row.next}, {1.0, -1.0}, 2});
+      continue;
+    }
+    joint.rest = row.stiffness * apart + row.ground_stiffness * origins[0] - row.ground_force;
+    LinearForm momentum, rate;
+    momentum.add(row.node, row.viscosity + row.ground_viscosity);
+    momentum.add(row.next, -row.viscosity);
+    rate.add(row.node, row.stiffness + row.ground_stiffness + row.side_stiffness[0]);
+    rate.add(row.next, row.side_stiffness[1] - row.stiffness);
+    rate.add(row.beyond, row.side_stiffness[2]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      momentum.add(n + unknowns[k], row.inertia[k]);
+      rate.add(n + unknowns[k], row.side_drag[k]);
+      joint.rest += row.side_stiffness[k] * origins[k];
+    }
+    forms.push_back(momentum);
+    forms.push_back(rate);
+  }
 }
 
 bool JointForces::closed() const {
   return std::ranges::any_of(joints_, [this](const Joint& joint) { return contacts_.closed(joint.contact); });
-}
-
-void JointForces::look_at(double from, double to, std::size_t order, std::span<const PointValues> y) {
-  // Time by time, since a load is evaluated once for all that ask for it at one time.
-  for (std::size_t j = 0; load_.acts() && j <= order; ++j) {
-    const double t = point_of(from, to, order, j);
-    for (Joint& joint : joints_)
-      if (contacts_.closed(joint.contact))
-        joint.load[j] = joint.row.sum_over_rows([&](std::size_t node) { return load_.alone(node, t); });
-  }
-  for (Joint& joint : joints_)
-    if (contacts_.closed(joint.contact)) look_at(joint, order, y);
-}
-
-// At all points at once, those behind the order as well.
-void JointForces::look_at(Joint& joint, std::size_t order, std::span<const PointValues> y) const {
-  const auto& [row, at] = std::tie(joint.row, joint.positions);
-  const auto origin = [this](std::size_t unknown) { return origin_.empty() ? 0.0 : origin_[unknown]; };
-  const PointValues &u = y[at[0]], &u_next = y[at[1]], &w = y[at[2]], &w_next = y[at[3]], &w_beyond = y[at[4]];
-  const double of_node = origin(row.node), apart = origin(row.node) - origin(row.next);
-  const ContactNode& contact = contacts_[joint.contact];
-  for (std::size_t j = 0; contact.by_law && j <= order; ++j)
-    joint.rate[j] = contact.law.force(u[j] - u_next[j] + apart + contact.gap, w[j] - w_next[j]);
-  if (contact.by_law) return;
-  for (std::size_t j = 0; j < u.size(); ++j) {
-    const double stretch = u[j] - u_next[j] + apart, displacement = u[j] + of_node;
-    joint.momentum[j] = row.inertia[0] * w[j] + row.inertia[1] * w_next[j] + row.inertia[2] * w_beyond[j] +
-                        row.viscosity * stretch + row.ground_viscosity * displacement;
-    joint.rate[j] = row.stiffness * stretch + (row.ground_stiffness * displacement - row.ground_force) - joint.load[j];
-  }
-  if (!contacts_.bar().side()) return;
-  const std::array<std::size_t, 3> unknowns = {row.node, row.next, row.beyond}, positions = {at[0], at[1], at[5]};
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t j = 0; j < u.size(); ++j)
-      joint.rate[j] +=
-          row.side_stiffness[k] * (y[positions[k]][j] + origin(unknowns[k])) + row.side_drag[k] * y[at[2 + k]][j];
 }
 
 void JointForces::strike(std::size_t contact, double impulse, std::span<const double> change) {
@@ -94,18 +90,44 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
   }
 }
 
-void JointForces::add(double to, double length, std::size_t order, bool peaks) {
-  for (Joint& joint : joints_) {
-    if (!contacts_.closed(joint.contact)) continue;
-    const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
-    joint.account->impulse +=
-        joint.direction * (joint.momentum[order] - joint.momentum[0] + length * Bernstein::mean(used(joint.rate)));
-    if (!peaks) continue;
-    const auto inertia = Bernstein::slopes(used(joint.momentum));
-    for (std::size_t j = 0; j <= order; ++j) joint.rate[j] = joint.direction * (joint.rate[j] + inertia[j] / length);
-    const bool pulls = contacts_[joint.contact].joint == 0;
-    raise_peak(*joint.account, used(joint.rate), to, length, pulls);
+void JointForces::add(double from, double to, std::size_t order, std::span<const PointValues> forms, bool peaks) {
+  if (!(to > from)) return;
+  const bool by_history =
+      std::ranges::any_of(joints_, [](const Joint& joint) { return joint.load_factor.has_value(); });
+  // Time by time, since a load is evaluated once for all that ask for it at one time.
+  for (std::size_t j = 0; load_.acts() && j <= order; ++j) {
+    const double t = point_of(from, to, order, j);
+    if (by_history) history_[j] = load_.history(t);
+    for (Joint& joint : joints_)
+      if (contacts_.closed(joint.contact) && !joint.load_factor)
+        joint.load[j] = joint.row.sum_over_rows([&](std::size_t node) { return load_.alone(node, t); });
   }
+  for (Joint& joint : joints_)
+    if (contacts_.closed(joint.contact))
+      add(joint, to, to - from, order, forms[joint.forms], forms[joint.forms + 1], peaks);
+}
+
+// At all points at once, those behind the order as well.
+void JointForces::add(Joint& joint, double to, double length, std::size_t order, const PointValues& momentum,
+                      const PointValues& rate, bool peaks) {
+  const ContactNode& contact = contacts_[joint.contact];
+  const auto used = [order](auto& values) { return std::span(values).first(order + 1); };
+  const auto all = [](auto& values) { return Points<16>::Map(values.data()); };
+  PointValues force;
+  if (contact.by_law)
+    for (std::size_t j = 0; j <= order; ++j) force[j] = contact.law.force(momentum[j] + joint.rest, rate[j]);
+  else
+    all(force) =
+        all(rate) + joint.rest - joint.load_factor.value_or(1.0) * all(joint.load_factor ? history_ : joint.load);
+  const double gained = contact.by_law ? 0.0 : momentum[order] - momentum[0];
+  joint.account->impulse += joint.direction * (gained + length * Bernstein::mean(used(force)));
+  if (!peaks) return;
+  if (!contact.by_law) {
+    const PointValues inertia = Bernstein::slopes(used(momentum));
+    all(force) += all(inertia) / length;
+  }
+  all(force) *= joint.direction;
+  raise_peak(*joint.account, used(force), to, length, contact.joint == 0);
 }
 
 }  // namespace viscobar

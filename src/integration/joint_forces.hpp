@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "dynamics/acting_load.hpp"
 #include "dynamics/contact_rows.hpp"
 #include "dynamics/contacts.hpp"
+#include "integration/linear_form.hpp"
 #include "integration/point_values.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -27,37 +29,39 @@ class JointForces {
   /// Both outlive it. Without such contacts it asks for nothing.
   JointForces(const Contacts& contacts, const ActingLoad& load, RunAccount& account);
 
+  /// Appends the entries of (u, w) that its forms take, for a method that samples those.
   void ask_for(std::vector<std::size_t>& entries);
+  /// Appends the forms that it takes as long as the contacts are as they are.
+  void ask_for(std::vector<LinearForm>& forms);
   /// `origin` is added to u to have displacements from here on; empty: nothing.
   void measure_from(std::span<const double> origin) { origin_ = origin; }
   /// Takes the rows as the contacts are now, wherever they change.
   void begin();
-  void select(std::vector<std::size_t>& positions) const;
   bool closed() const;
-  /// At the points of a step, by the entries of all.
-  void look_at(double from, double to, std::size_t order, std::span<const PointValues> y);
+  /// Adds the step, or the part of one, from `from` up to `to`, by all forms at its points.
+  void add(double from, double to, std::size_t order, std::span<const PointValues> forms, bool peaks);
   void strike(std::size_t contact, double impulse, std::span<const double> change);
-  /// Adds a step of that length, which ends at `to`.
-  void add(double to, double length, std::size_t order, bool peaks);
 
  private:
   struct Joint {
     std::size_t contact;
     ContactAccount* account;
     JointRow row;
-    double direction;                        // of its force: the row's sign at a joint, of an obstacle that of u
-    std::array<std::size_t, 6> positions{};  // of u_node, u_next, the three velocities and u_beyond
-    PointValues momentum{}, rate{}, load{};  // the last of the rows that are added
+    double direction;                     // of its force: the row's sign at a joint, of an obstacle that of u
+    std::optional<double> load_factor{};  // of the rows that are added, where they have one
+    double rest = 0.0;                    // of the rate, beside its form and the load
+    std::size_t forms = 0;                // the place of that of the momentum, and behind it that of the rate
+    PointValues load{};                   // of the rows that are added
   };
 
-  void look_at(Joint& joint, std::size_t order, std::span<const PointValues> y) const;
-  /// Positions that are used: the last is of a side that resists.
-  std::size_t used() const { return contacts_.bar().side() ? 6 : 5; }
+  void add(Joint& joint, double to, double length, std::size_t order, const PointValues& momentum,
+           const PointValues& rate, bool peaks);
 
   const Contacts& contacts_;
   const ActingLoad& load_;
   std::vector<Joint> joints_;
   std::span<const double> origin_;
+  PointValues history_{};  // of the load
 };
 
 }  // namespace viscobar

@@ -14,9 +14,11 @@ namespace viscobar {
 inline void raise_peak(ContactAccount& account, std::span<const double> force, double to, double length,
                        bool pulls = true) {
   const double known = std::abs(account.latest.reaction);
+  double lowest = force[0], highest = force[0];
+  for (const double value : force) lowest = std::min(lowest, value), highest = std::max(highest, value);
+  const double excess = Bernstein::excess(force.size() - 1) * (highest - lowest);
+  if (highest + excess <= known && (!pulls || excess - lowest <= known)) return;
   const auto [least, most] = std::ranges::minmax_element(force);
-  const double excess = Bernstein::excess(force.size() - 1) * (*most - *least);
-  if (*most + excess <= known && (!pulls || excess - *least <= known)) return;
   const Bernstein polynomial = Bernstein::through(force);
   const auto take = [&](double extreme, auto sample) {
     const double part = static_cast<double>(sample - force.begin()) / static_cast<double>(force.size() - 1);

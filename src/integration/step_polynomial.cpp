@@ -321,6 +321,29 @@ double StepPolynomial::value(std::size_t unknown, double s, int derivative, cons
   return derivative == 0 ? begin_.y[unknown] + change : change / (derivative == 1 ? h : h * h);
 }
 
+void StepPolynomial::sample(double begin, double end, std::span<const std::size_t> entries,
+                            std::span<PointValues> out) const {
+  const std::size_t n = layout_.nodes;
+  const double h = length();
+  std::array<double, degree + 1> parts;
+  std::array<std::array<Weights, degree + 1>, 2> at;
+  for (std::size_t j = 0; j <= degree; ++j) {
+    parts[j] = (point_of(begin, end, degree, j) - begin_.t) / h;
+    at[0][j] = weights(parts[j], 0), at[1][j] = weights(parts[j], 1);
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::size_t rate = entries[i] < n ? 0 : 1, node = entries[i] - rate * n;
+    const bool relaxes = relaxation_of_[node] > 0;
+    const double w0 = begin_.y[n + node], w1 = end_.y[n + node], a0 = h * begin_.a[node], a1 = h * end_.a[node];
+    const double start = rate ? 0.0 : begin_.y[node], missing = defect(node) / h, unit = rate ? 1.0 : h;
+    for (std::size_t j = 0; j <= degree; ++j) {
+      const Weights& of = at[rate][j];
+      out[i][j] = relaxes ? value(node, parts[j], static_cast<int>(rate))
+                          : start + unit * (of.w0 * w0 + of.w1 * w1 + of.a0 * a0 + of.a1 * a1 + of.defect * missing);
+    }
+  }
+}
+
 void StepPolynomial::hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) const {
   const std::size_t n = layout_.nodes;
   const double h = length(), infinity = std::numeric_limits<double>::infinity();

@@ -99,6 +99,8 @@ class StepPolynomial {
   /// Bounds of each sampled entry over the step, by Bernstein's coefficients of the quintic; none for velocities and
   /// massless nodes.
   void hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) const;
+  /// Those entries at degree + 1 equidistant times.
+  void sample(double begin, double end, std::span<const std::size_t> entries, std::span<PointValues> out) const;
 
  private:
   // Weights of h w_0, h w_1, h^2 a_0, h^2 a_1 and D in a derivative of u - u_0 by s.
@@ -171,6 +173,14 @@ class PolynomialStepper : public LegStepper {
     step_.hull(lowest, highest, last);
     return true;
   }
+  std::span<const PointValues> form_samples(double begin, double end) final {
+    if (forms_.empty()) return {};
+    of_entries_.resize(form_entries_.size());
+    step_.sample(begin, end, form_entries_, of_entries_);
+    for (std::size_t i = 0; i < forms_.size(); ++i)
+      Points<8>::Map(form_points_[i].data()) = forms_[i].of_points<8>(of_entries_);
+    return form_points_;
+  }
   ErrorWeights& weights() final { return weights_; }
 
  protected:
@@ -194,6 +204,7 @@ class PolynomialStepper : public LegStepper {
 
  private:
   const Contacts& contacts_;
+  std::vector<PointValues> of_entries_;
 };
 
 }  // namespace viscobar

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "integration/error_weights.hpp"
+#include "integration/linear_form.hpp"
 #include "integration/point_values.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -38,6 +39,11 @@ class LegStepper {
     return sample_points(begin, end, order(), positions, points_[derivative == 0 ? 0 : 1],
                          [&](std::size_t, double t) { return sample(t, derivative); });
   }
+  /// The forms that form_samples() is asked for from now on.
+  void take_forms(std::span<const LinearForm> forms);
+  /// Each of them at order() + 1 equidistant times from `begin` to `end`, the last step or a part of it. Valid until
+  /// the next call.
+  virtual std::span<const PointValues> form_samples(double begin, double end) = 0;
   /// A contact changes in the state y within the last step: for a method whose steps are so long that its maxima have
   /// not seen one like it.
   virtual void changes_at(std::span<const double> /*y*/) {}
@@ -63,9 +69,28 @@ class LegStepper {
   /// Weights of its error test, with the maxima so far: they are in a checkpoint.
   virtual ErrorWeights& weights() = 0;
 
+ protected:
+  std::vector<std::size_t> form_entries_;  // each once
+  std::vector<LinearForm> forms_;          // by their places
+  std::vector<PointValues> form_points_;
+
  private:
   std::array<std::vector<PointValues>, 2> points_;  // of values and rates
 };
+
+inline void LegStepper::take_forms(std::span<const LinearForm> forms) {
+  forms_.assign(forms.begin(), forms.end());
+  form_points_.resize(forms.size());
+  form_entries_.clear();
+  for (const LinearForm& form : forms)
+    form_entries_.insert(form_entries_.end(), form.entries.begin(),
+                         form.entries.begin() + static_cast<std::ptrdiff_t>(form.count));
+  std::ranges::sort(form_entries_);
+  form_entries_.erase(std::ranges::unique(form_entries_).begin(), form_entries_.end());
+  for (LinearForm& form : forms_)
+    for (std::size_t& entry : form.entries)
+      entry = static_cast<std::size_t>(std::ranges::lower_bound(form_entries_, entry) - form_entries_.begin());
+}
 
 /// How long a step may be: a load that varies, and vanishes wherever a long step looks, could hide a pulse in between.
 /// A load that lasts for a 64th of the run or longer is seen.

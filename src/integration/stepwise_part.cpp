@@ -146,7 +146,8 @@ double StepwisePart::resume(const Checkpoint& checkpoint) {
 std::optional<double> StepwisePart::first_change(double from, double to) {
   if (contacts_.size() == 0) return std::nullopt;
   ++statistics_.event_evaluations;
-  const std::optional<double> change = search_.first_change(from, to, ends_);
+  form_samples_ = stepper_.form_samples(from, to);
+  const std::optional<double> change = search_.first_change(from, to, ends_, form_samples_);
   statistics_.max_penetration = std::max(statistics_.max_penetration, search_.max_penetration());
   return change;
 }
@@ -154,6 +155,9 @@ std::optional<double> StepwisePart::first_change(double from, double to) {
 // Ends, outputs and energy of a step from `from` to `to` that counts up to `limit`.
 void StepwisePart::account_for(double from, double limit, double to) {
   if (ends_ && !ends_->idle()) {
+    if (!forms_.empty() && limit > from)
+      ends_->add_joints(from, limit, stepper_.order(),
+                        limit == to ? form_samples_ : stepper_.form_samples(from, limit));
     const bool searched = contacts_.size() > 0 && !search_.selects() && limit == to;
     if (searched && search_.quiet())
       ends_->pass(to, search_.last());
@@ -230,6 +234,7 @@ void StepwisePart::restart(double t, Leg leg) {
   }
   if (sensitivities_) sensitivities_->begin_leg(t, end(), y_);
   begin_ends(t);
+  take_forms();
   if (!search_.selects()) select(true);
   stepper_.restart(t, leg_end_, y_);
 }
@@ -286,6 +291,13 @@ void StepwisePart::select(bool for_search) {
   selected_.erase(std::ranges::unique(selected_).begin(), selected_.end());
   stepper_.select(selected_);
   search_.selected(selected_, ends_);
+}
+
+void StepwisePart::take_forms() {
+  forms_.clear();
+  search_.ask_for(forms_);
+  if (ends_) ends_->ask_for(forms_);
+  stepper_.take_forms(forms_);
 }
 
 void StepwisePart::tell_snapshot(double t) {

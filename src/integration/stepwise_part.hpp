@@ -65,6 +65,7 @@ class StepwisePart {
   // A contact may change where its obstacle has a kink, and a leg begin there once more.
   bool has_passed_kink(double t) const { return t - kink_ <= 2.0 * rounding_of_times(t, end()); }
   void select(bool for_search);
+  void take_forms();
   void tell_snapshot(double t);
 
   PenalisedSystem& system_;
@@ -87,6 +88,8 @@ class StepwisePart {
   EnergyBooks books_;
   ContactChanges changes_;
   std::vector<std::size_t> selected_;  // positions of sampled entries
+  std::vector<LinearForm> forms_;
+  std::span<const PointValues> form_samples_;  // of the last step
   double leg_end_ = 0.0, load_break_ = -std::numeric_limits<double>::infinity();
   double kink_ = load_break_;  // the last one that has been passed
   std::size_t next_output_ = 0;

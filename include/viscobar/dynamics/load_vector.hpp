@@ -45,6 +45,8 @@ class LoadVector {
 
   /// Where M f(t) is a function of time alone times one vector, that vector: M f(t) = history(t) profile().
   const std::vector<double>* profile() const;
+  /// Where (M f)_i is the same function of time times a number, that number.
+  std::optional<double> factor(std::size_t unknown) const;
   double history(double t) const;  ///< not counted @throws LoadError
 
   bool steady() const { return steady_; }                   ///< the same at all times

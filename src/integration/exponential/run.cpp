@@ -283,8 +283,9 @@ bool Run::take_long_step(double tau) {
                                        : !distance_.keeps_state(c, motion, p, tau, largest(), penetration))
       return false;
   if (ends_) {
-    ends_->look_at(
-        t_, t_ + tau, pieces, [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); }, no_rates);
+    const auto sample = [&](std::size_t k, double) { return end_sample(motion[k], 0.0, tau); };
+    ends_->look_at(t_, t_ + tau, pieces, sample, no_rates);
+    ends_->look_at_joints(t_, t_ + tau, pieces, sample);
     if (!ends_->resolved()) return false;
   }
   std::optional<SampledFlow> flow;
@@ -348,9 +349,9 @@ void Run::take_short_step(double tau) {
   if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
   if (ends_) {
     // A series of that degree is the motion to rounding, since (rate bound) * step <= 1.
-    ends_->look_at(
-        t_, t, Bernstein::max_degree, [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); },
-        no_rates);
+    const auto sample = [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); };
+    ends_->look_at(t_, t, Bernstein::max_degree, sample, no_rates);
+    ends_->look_at_joints(t_, t, Bernstein::max_degree, sample);
     ends_->add();
   }
   const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);

@@ -160,6 +160,37 @@ class Stepper final : public LegStepper {
     return points;
   }
 
+  std::span<const PointValues> form_samples(double begin, double end) override {
+    if (forms_.empty()) return {};
+    const Formula& formula = Formula::get();
+    static const Samples whole = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
+    const bool part = begin != begin_t_ || end != end_t_;
+    Samples theta = whole;
+    std::array<Samples, parts> of_u = formula.samples(0, true), of_w = formula.samples(0, false);
+    for (std::size_t j = 0; part && j <= stages; ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      theta[at] = (point_of(begin, end, stages, j) - begin_t_) / h_;
+      const Parts weights = formula.weights(theta[at], 0), over_pole = formula.weights_over_pole(weights);
+      for (std::size_t l = 0; l < parts; ++l) of_w[l][at] = weights[l], of_u[l][at] = over_pole[l];
+    }
+    const std::size_t n = layout_.nodes;
+    for (std::size_t k = 0; k < forms_.size(); ++k) {
+      Complex of_displacements{}, of_velocities{};
+      double start = 0.0, slope = 0.0;
+      for (std::size_t m = 0; m < forms_[k].count; ++m) {
+        const std::size_t entry = form_entries_[forms_[k].entries[m]];
+        const double weight = forms_[k].weights[m];
+        start += weight * begin_y_[entry];
+        if (entry < n) slope += weight * begin_y_[n + entry];
+        Complex& sum = entry < n ? of_displacements : of_velocities;
+        sum = sum + weight * x_[entry < n ? entry : entry - n];
+      }
+      Samples::Map(form_points_[k].data()) =
+          start + h_ * (slope * theta + combined(of_u, of_displacements)) + combined(of_w, of_velocities);
+    }
+    return form_points_;
+  }
+
   void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
 
  private:

@@ -22,6 +22,7 @@ void Multistep::begin_run(std::vector<std::size_t> sampled_entries) {
   probed_.emplace(std::move(sampled_entries));
   probe_ = make_probe(*probed_, context_);
   hull_ = make_hull(*probed_, context_);
+  recorder_ = make_recorder(record_, context_);
 }
 
 void Multistep::restart(double t, double stop, std::span<const double> y) {
@@ -80,6 +81,47 @@ bool Multistep::hull(std::span<double> lowest, std::span<double> highest, std::s
   for (const std::span<double> out : {lowest, highest, last})
     bounds = std::ranges::copy_n(bounds, static_cast<std::ptrdiff_t>(out.size()), out.begin()).in;
   return true;
+}
+
+// Those of x_k are c_0 = 1, c_k = c_{k-1} (d + a_k) / b_k, d = t - t_n: of Nordsieck's array a_k = 0 and b_k = h, of
+// divided differences a_k = b_{k-1}, and the b_k follow from the factors at one time within the step.
+void Multistep::find_factors(double begin, double end) {
+  double now = 0.0, h = 0.0;
+  call("GetCurrentTime", library_.get_current_time, &now);
+  call("GetLastStep", library_.get_last_step, &h);
+  const double middle = -0.5 * h;
+  call("GetDky", library_.get_dky, now + middle, 0, recorder_.get());
+  const std::size_t q = order(), count = record_.count;
+  const auto place = [&](std::size_t k) { return library_.divided_differences ? k : count - 1 - k; };
+  PointValues d{};
+  for (std::size_t j = 0; j <= q; ++j) d[j] = point_of(begin, end, q, j) - now;
+  factors_[place(0)].fill(1.0);
+  double a = 0.0, b = h;
+  for (std::size_t k = 1; k < count; ++k) {
+    if (library_.divided_differences) b = (middle + a) * record_.factors[k - 1] / record_.factors[k];
+    for (std::size_t j = 0; j < d.size(); ++j) factors_[place(k)][j] = factors_[place(k - 1)][j] * ((d[j] + a) / b);
+    if (library_.divided_differences) a = b;
+  }
+}
+
+std::span<const PointValues> Multistep::form_samples(double begin, double end) {
+  if (forms_.empty()) return {};
+  find_factors(begin, end);
+  gathered_.resize(form_entries_.size());
+  for (std::size_t k = 0; k < record_.count; ++k)
+    for (std::size_t i = 0; i < form_entries_.size(); ++i) gathered_[i][k] = record_.terms[k][form_entries_[i]];
+  // In vectors of as many lanes as the points take.
+  const auto sample = [&]<std::size_t lanes>(std::integral_constant<std::size_t, lanes>) {
+    for (std::size_t i = 0; i < forms_.size(); ++i) {
+      const Points<lanes> terms = forms_[i].of_points<lanes>(gathered_);
+      Points<lanes> sum = Points<lanes>::Zero();
+      for (std::size_t k = 0; k < record_.count; ++k)
+        sum += terms[static_cast<Eigen::Index>(k)] * Points<lanes>::Map(factors_[k].data());
+      Points<lanes>::Map(form_points_[i].data()) = sum;
+    }
+  };
+  order() < 8 ? sample(std::integral_constant<std::size_t, 8>()) : sample(std::integral_constant<std::size_t, 16>());
+  return form_points_;
 }
 
 void Multistep::configure(void* memory, double t) {

@@ -19,6 +19,7 @@ struct MultistepLibrary {
   int (*get_dky)(void*, sunrealtype, int, N_Vector);
   int (*get_last_order)(void*, int*);
   int (*get_current_time)(void*, sunrealtype*);
+  int (*get_last_step)(void*, sunrealtype*);
   int (*set_max_order)(void*, int);
   int (*set_stop_time)(void*, sunrealtype);
   int (*set_max_step)(void*, sunrealtype);
@@ -27,6 +28,7 @@ struct MultistepLibrary {
   int (*set_solver)(void*, SUNNonlinearSolver);
   char* (*flag_name)(long);
   Library flags;
+  bool divided_differences;  ///< its history, first to last; else Nordsieck's array, last to first
 };
 
 /// Steps of a multistep library, up to what the libraries have not alike: how a leg begins, and a step.
@@ -41,6 +43,7 @@ class Multistep : public LegStepper {
   std::span<const double> sample(double t, int derivative) final;
   void select(std::span<const std::size_t> sampled) final { probed_->selected.assign(sampled.begin(), sampled.end()); }
   bool hull(std::span<double> lowest, std::span<double> highest, std::span<double> last) final;
+  std::span<const PointValues> form_samples(double begin, double end) final;
   double account_correction() const final { return leg_.account_correction; }
   std::span<const double> account() const final {
     return values(state_).subspan(2 * leg_.layout.nodes, leg_.layout.account());
@@ -81,13 +84,18 @@ class Multistep : public LegStepper {
   Vector state_;
 
  private:
+  void find_factors(double begin, double end);
+
   const MultistepLibrary& library_;
   bool passes_over_rest_;
   RestWatch rest_;
   RestWatch::Advice advice_ = RestWatch::Advice::go_on;
   Vector interpolated_;
   std::optional<Probed> probed_;
-  Vector probe_, hull_;
+  Recorded record_;
+  std::array<PointValues, 13> factors_{};  // of its terms, at the points of forms
+  std::vector<PointValues> gathered_;      // its terms, of each entry of forms
+  Vector probe_, hull_, recorder_;
   NonlinearSolver solver_;
 };
 

@@ -124,6 +124,7 @@ struct Content {
   HistorySums* put_off;  // of all vectors of its context
   Eigen::ArrayXd data;
   const Probed* probed = nullptr;  // of a probe
+  Recorded* record = nullptr;      // of a recorder
   Eigen::Index weighed = 0;        // entries from the first on that norms look at
   int owners = 1;
 };
@@ -147,7 +148,7 @@ N_Vector clone(N_Vector x) noexcept {
   try {
     if (!copy || N_VCopyOps(x, copy) != 0) throw std::bad_alloc();
     const Content& of = content(x);
-    copy->content = new Content{of.put_off, Eigen::ArrayXd::Zero(of.data.size()), of.probed, of.weighed};
+    copy->content = new Content{of.put_off, Eigen::ArrayXd::Zero(of.data.size()), of.probed, of.record, of.weighed};
     return copy;
   } catch (const std::bad_alloc&) {
     if (copy) N_VFreeEmpty(copy);
@@ -258,6 +259,16 @@ int hull_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcep
   return 0;
 }
 
+int recorded_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcept {
+  Recorded& record = *content(z).record;
+  record.count = static_cast<std::size_t>(count);
+  for (std::size_t k = 0; k < record.count; ++k) {
+    record.factors[k] = c[k];
+    record.terms[k] = stored(x[k]).data();
+  }
+  return 0;
+}
+
 int scale_add_multi(int count, sunrealtype* c, N_Vector x, N_Vector* y, N_Vector* z) noexcept {
   const auto& added = array(x);
   // Piece by piece, so that x is read from memory once.
@@ -301,10 +312,10 @@ double weighted_max_norm(N_Vector x, N_Vector w) noexcept {
 using Combination = int (*)(int, sunrealtype*, N_Vector*, N_Vector);
 
 Vector make(Eigen::Index size, const Probed* probed, Eigen::Index weighed, Combination combination,
-            const Context& context) {
+            const Context& context, Recorded* record = nullptr) {
   Vector vector(N_VNewEmpty(context.get()));
   if (!vector) throw std::bad_alloc();
-  vector->content = new Content{&context.put_off(), Eigen::ArrayXd::Zero(size), probed, weighed};
+  vector->content = new Content{&context.put_off(), Eigen::ArrayXd::Zero(size), probed, record, weighed};
   auto& ops = *vector->ops;
   ops.nvgetvectorid = [](N_Vector) noexcept { return SUNDIALS_NVEC_CUSTOM; };
   ops.nvclone = clone;
@@ -344,6 +355,10 @@ Vector make_probe(const Probed& probed, const Context& context) {
 Vector make_hull(const Probed& probed, const Context& context) {
   const auto size = static_cast<Eigen::Index>(3 * probed.entries.size());
   return make(size, &probed, size, hull_combination, context);
+}
+
+Vector make_recorder(Recorded& record, const Context& context) {
+  return make(0, nullptr, 0, recorded_combination, context, &record);
 }
 
 void require_memory() {

@@ -66,6 +66,16 @@ Vector make_probe(const Probed& probed, const Context& context);
 /// growing.
 Vector make_hull(const Probed& probed, const Context& context);
 
+/// A linear combination sum_k c_k x_k that has been written down.
+struct Recorded {
+  std::array<double, 13> factors{};       ///< c_k
+  std::array<const double*, 13> terms{};  ///< x_k
+  std::size_t count = 0;
+};
+/// A vector that linear combinations are not made into, but written down in `record`, which must outlive it: so one
+/// learns what an integrator's interpolant is made of.
+Vector make_recorder(Recorded& record, const Context& context);
+
 /// To be called behind each call of the library that may make vectors. @throws std::bad_alloc when it could not
 void require_memory();
 
