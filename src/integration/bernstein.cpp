@@ -157,6 +157,12 @@ double Bernstein::excess(std::size_t degree) {
   return 0.5 * (lebesgue[degree] - 1.0);
 }
 
+double Bernstein::steepest(std::size_t degree) {
+  constexpr std::array<double, max_degree + 1> largest_row = {0.0,   2.0,   8.0,    20.0,   43.0,   86.0,  167.0,
+                                                              323.0, 625.0, 1215.0, 2374.0, 4659.0, 9178.0};
+  return largest_row[degree];
+}
+
 namespace {
 
 struct Interval {

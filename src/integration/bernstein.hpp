@@ -34,6 +34,8 @@ class Bernstein {
   static std::array<double, 16> slopes(std::span<const double> samples);
   /// How far it may leave the samples' range to either side, in lengths of that range: (Lebesgue's constant - 1) / 2.
   static double excess(std::size_t degree);
+  /// Largest of slopes() of samples within -1 and 1.
+  static double steepest(std::size_t degree);
   /// max(known, p) over [0, 1], to rounding: nothing is searched where the hull stays below what is known.
   double largest(double known) const;
   /// min(known, p) over [0, 1], to rounding.

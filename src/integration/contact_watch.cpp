@@ -68,7 +68,7 @@ void ContactWatch::enter_frame(std::span<const double> u, std::span<const double
 
 void ContactWatch::begin(double t, std::span<const double> u, std::span<const double> w) {
   seen_ = t;
-  joints_.begin();
+  joints_.begin(u, w);
   const auto holds = [this](std::size_t i) { return contacts_.closed(i) && contacts_[i].holds; };
   springs_ = !bar_.frame().moving() && !span_.closed() && !joints_.closed() &&
              std::ranges::none_of(

@@ -1,6 +1,8 @@
 #include "integration/joint_forces.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "integration/bernstein.hpp"
@@ -23,9 +25,13 @@ JointForces::JointForces(const Contacts& contacts, const ActingLoad& load, RunAc
   }
 }
 
-void JointForces::begin() {
+void JointForces::begin(std::span<const double> u, std::span<const double> w) {
   for (Joint& joint : joints_) {
-    joint.row = joint_row(contacts_, joint.contact);
+    const JointRow& row = joint.row = joint_row(contacts_, joint.contact);
+    joint.momentum = std::abs(row.inertia[0] * w[row.node]) + std::abs(row.inertia[1] * w[row.next]) +
+                     std::abs(row.inertia[2] * w[row.beyond]) +
+                     row.viscosity * (std::abs(u[row.node]) + std::abs(u[row.next])) +
+                     row.ground_viscosity * std::abs(u[row.node]);
     joint.load_factor = 0.0;
     joint.row.sum_over_rows([&](std::size_t node) {
       const auto factor = load_.factor(node);
@@ -122,12 +128,15 @@ void JointForces::add(Joint& joint, double to, double length, std::size_t order,
   const double gained = contact.by_law ? 0.0 : momentum[order] - momentum[0];
   joint.account->impulse += joint.direction * (gained + length * Bernstein::mean(used(force)));
   if (!peaks) return;
+  double rounding = 0.0;
   if (!contact.by_law) {
+    // The first steps behind a change are so short that the rounding of the momentum shows in its rate.
+    rounding = std::numeric_limits<double>::epsilon() * joint.momentum * Bernstein::steepest(order) / length;
     const PointValues inertia = Bernstein::slopes(used(momentum));
     all(force) += all(inertia) / length;
   }
   all(force) *= joint.direction;
-  raise_peak(*joint.account, used(force), to, length, contact.joint == 0);
+  raise_peak(*joint.account, used(force), to, length, contact.joint == 0, rounding);
 }
 
 }  // namespace viscobar

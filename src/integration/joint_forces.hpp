@@ -35,8 +35,8 @@ class JointForces {
   void ask_for(std::vector<LinearForm>& forms);
   /// `origin` is added to u to have displacements from here on; empty: nothing.
   void measure_from(std::span<const double> origin) { origin_ = origin; }
-  /// Takes the rows as the contacts are now, wherever they change.
-  void begin();
+  /// Takes the rows as the contacts are now, wherever they change, in the state (u, w).
+  void begin(std::span<const double> u, std::span<const double> w);
   bool closed() const;
   /// Adds the step, or the part of one, from `from` up to `to`, by all forms at its points.
   void add(double from, double to, std::size_t order, std::span<const PointValues> forms, bool peaks);
@@ -48,6 +48,7 @@ class JointForces {
     ContactAccount* account;
     JointRow row;
     double direction;                     // of its force: the row's sign at a joint, of an obstacle that of u
+    double momentum = 0.0;                // of the terms of its momentum without their signs, as the leg begins
     std::optional<double> load_factor{};  // of the rows that are added, where they have one
     double rest = 0.0;                    // of the rate, beside its form and the load
     std::size_t forms = 0;                // the place of that of the momentum, and behind it that of the rate

@@ -22,7 +22,7 @@ struct LinearForm {
   void add(std::size_t entry, double weight) {
     if (weight != 0.0) entries[count] = entry, weights[count++] = weight;
   }
-  /// Of the points of all entries those of the form, in vectors of so many.
+  /// Values of the form at points, from those of all entries, in vectors of so many.
   template <std::size_t lanes>
   Points<lanes> of_points(std::span<const PointValues> y) const {
     Points<lanes> sum = Points<lanes>::Zero();

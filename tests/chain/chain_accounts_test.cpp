@@ -65,6 +65,25 @@ TEST(ChainAccounts, ABodyThatLeavesItsObstacleMeetsTheBarWhereItStands) {
   }
 }
 
+// The first steps in a contact are as short as 1e-14: rounding of a momentum over such a step is no force.
+TEST(ChainAccounts, ABriefTouchHasThePeakOfItsSpring) {
+  const std::string text =
+      "[[bar]]\nlength = 0.7\nvelocity = -0.9\nelements = 6\n[[bar]]\nmass = 1.0\nvelocity = {}\n[[bar]]\nlength = "
+      "0.6\nviscosity = 0.35\nelements = 7\nvelocity = 0.05\n[[joint]]\nkind = \"contact\"\n[left]\nkind = "
+      "\"free\"\n[right]\nkind = \"fixed\"\n[time]\nend = 0.5\n[contact]\nepsilon = 0.07\n[method]\nname = "
+      "\"{}\"\nrelative_tolerance = 1e-9\n";
+  for (const double velocity : {-0.93, -0.95, -0.97, -1.0}) {
+    const auto peak = [&](const char* method) {
+      const Recording run = record(case_of(fmt::format(fmt::runtime(text), velocity, method)));
+      return run.statistics.account->joints.front().peak_reaction;
+    };
+    const double truth = peak("exponential");
+    EXPECT_GT(truth, 4e-5);
+    for (const char* method : {"cvode", "ida", "arkode", "odeint"})
+      EXPECT_NEAR(peak(method), truth, 5e-4 * truth) << method << " " << velocity;
+  }
+}
+
 // Penalties on both sides of a body.
 TEST(ChainAccounts, ABodyBetweenAnObstacleAndABarKeepsTheEnergy) {
   const std::string text =

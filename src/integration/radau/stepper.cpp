@@ -164,15 +164,19 @@ class Stepper final : public LegStepper {
     if (forms_.empty()) return {};
     const Formula& formula = Formula::get();
     static const Samples whole = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
-    const bool part = begin != begin_t_ || end != end_t_;
-    Samples theta = whole;
-    std::array<Samples, parts> of_u = formula.samples(0, true), of_w = formula.samples(0, false);
-    for (std::size_t j = 0; part && j <= stages; ++j) {
-      const auto at = static_cast<Eigen::Index>(j);
-      theta[at] = (point_of(begin, end, stages, j) - begin_t_) / h_;
-      const Parts weights = formula.weights(theta[at], 0), over_pole = formula.weights_over_pole(weights);
-      for (std::size_t l = 0; l < parts; ++l) of_w[l][at] = weights[l], of_u[l][at] = over_pole[l];
-    }
+    if (begin == begin_t_ && end == end_t_)
+      sample_forms(whole, formula.samples(0, true), formula.samples(0, false));
+    else
+      sample_forms_of_part(begin, end);
+    return form_points_;
+  }
+
+  void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
+
+ private:
+  // By the weights of u and of w at the parts theta of the step.
+  void sample_forms(const Samples& theta, const std::array<Samples, parts>& of_u,
+                    const std::array<Samples, parts>& of_w) {
     const std::size_t n = layout_.nodes;
     for (std::size_t k = 0; k < forms_.size(); ++k) {
       Complex of_displacements{}, of_velocities{};
@@ -188,12 +192,22 @@ class Stepper final : public LegStepper {
       Samples::Map(form_points_[k].data()) =
           start + h_ * (slope * theta + combined(of_u, of_displacements)) + combined(of_w, of_velocities);
     }
-    return form_points_;
   }
 
-  void select(std::span<const std::size_t> sampled) override { selected_.assign(sampled.begin(), sampled.end()); }
+  void sample_forms_of_part(double begin, double end) {
+    const Formula& formula = Formula::get();
+    Samples theta = Samples::Zero();
+    std::array<Samples, parts> of_u, of_w;
+    of_u.fill(theta), of_w.fill(theta);
+    for (std::size_t j = 0; j <= stages; ++j) {
+      const auto at = static_cast<Eigen::Index>(j);
+      theta[at] = (point_of(begin, end, stages, j) - begin_t_) / h_;
+      const Parts weights = formula.weights(theta[at], 0), over_pole = formula.weights_over_pole(weights);
+      for (std::size_t l = 0; l < parts; ++l) of_w[l][at] = weights[l], of_u[l][at] = over_pole[l];
+    }
+    sample_forms(theta, of_u, of_w);
+  }
 
- private:
   void notice(std::span<const double> y) { derivatives_ ? weights_.fill(y, weight_) : weights_.notice(y); }
 
   // The next length after a step of length h. As fast modes die out, steps of one error grow by one factor: that goes
