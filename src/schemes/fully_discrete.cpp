@@ -334,24 +334,30 @@ class Run {
     const auto mass = [&](std::size_t k) {
       return system_.bar().density * system_.elements().stretch_beside(contacts[k].unknown) / 2.0;
     };
+    // A closing is more than rounding: it pushes its node, or its node has moved in.
+    const auto closes = [&](std::size_t k) {
+      constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
+      return active_[k] && !was_active_[k] &&
+             std::max(step_->reaction()[k], mass(k) * std::abs(stored[k].of(step_->p())) / dt) > rounding * largest_;
+    };
+    const auto opens = [&](std::size_t k) { return was_active_[k] && !active_[k]; };
+    bool changes = false;
+    for (std::size_t k = 0; k < contacts.size(); ++k) changes |= opens(k) || closes(k);
+    if (!changes) return;  // one rests without a force
     double size = 0.0;
     for (const double u : step_->u()) size = std::max(size, std::abs(u));
     for (std::size_t k = 0; k < contacts.size(); ++k)
       largest_ = std::max({largest_, step_->reaction()[k], step_->reaction_before()[k], mass(k) * size / (dt * dt)});
     for (std::size_t k = 0; k < contacts.size(); ++k)
-      if (was_active_[k] && !active_[k]) {
+      if (opens(k)) {
         was_active_[k] = 0;
         tell(time(n), k, Change::opening, stored[k].of(step_->p()) + dt * stored[k].of(step_->acceleration()));
       }
-    // A closing is more than rounding: it pushes its node, or its node has moved in.
-    constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const double velocity = stored[k].of(step_->p());
-      if (!active_[k] || was_active_[k]) continue;
-      if (!(std::max(step_->reaction()[k], mass(k) * std::abs(velocity) / dt) > rounding * largest_)) continue;
-      was_active_[k] = 1;
-      tell(time(n + 1), k, Change::closing, velocity);
-    }
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      if (closes(k)) {
+        was_active_[k] = 1;
+        tell(time(n + 1), k, Change::closing, stored[k].of(step_->p()));
+      }
   }
 
   void tell(double t, std::size_t k, Change change, double velocity) {
