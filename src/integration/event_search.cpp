@@ -65,10 +65,15 @@ void EventSearch::select(std::vector<std::size_t>& positions) {
 }
 
 void EventSearch::ask_for(std::vector<LinearForm>& forms) {
+  by_entries_.clear();
+  if (selects()) near_.clear();
   for (std::size_t i = 0; i < count_ && selects(); ++i) {
     look_up(i);
     form_of_[i] = none;
-    if (contacts_[i].joint == 0 || !weights_[i].offset || contacts_.holds_mass(i) || lets_go(i)) continue;
+    if (contacts_[i].joint == 0 || !weights_[i].offset || contacts_.holds_mass(i) || lets_go(i)) {
+      by_entries_.push_back(i);
+      continue;
+    }
     form_of_[i] = forms.size();
     LinearForm& form = forms.emplace_back();
     for (const std::size_t k : {1, 2}) form.add(entries_[first_[i] + k], weights_[i].values[k]);
@@ -383,14 +388,14 @@ bool EventSearch::proved_quiet(const std::optional<ContactWatch>& ends) {
 // Under a span obstacle most nodes are far from a change: their hull over the step proves it, and only the others are
 // sampled. A closed contact is near, too, where it may be deeper than any before. False: none is near.
 bool EventSearch::look_at_the_near(std::span<const PointValues> forms) {
-  looked_at_.clear();
-  std::ranges::copy_if(all_, std::back_inserter(looked_at_), [this](std::size_t i) { return !by_form(i); });
-  select_entries(looked_at_);
-  const bool bounded = looked_at_.empty() || stepper_.hull(lowest_, highest_, last_);
-  if (bounded) std::erase_if(looked_at_, [this](std::size_t i) { return far(i); });
-  for (const std::size_t i : looked_at_) look_up(i);
-  select_entries(looked_at_);
-  find_rated();
+  looked_at_ = by_entries_;
+  if (!by_entries_.empty()) {
+    select_entries(looked_at_);
+    if (stepper_.hull(lowest_, highest_, last_)) std::erase_if(looked_at_, [this](std::size_t i) { return far(i); });
+    for (const std::size_t i : looked_at_) look_up(i);
+    select_entries(looked_at_);
+    find_rated();
+  }
   for (std::size_t i = 0; i < count_; ++i)
     if (by_form(i) && !far(i, forms[form_of_[i]])) looked_at_.push_back(i);
   std::ranges::sort(looked_at_);
@@ -398,19 +403,21 @@ bool EventSearch::look_at_the_near(std::span<const PointValues> forms) {
 }
 
 // Orients the samples of its form. They tell that contact i is far if they, and what a polynomial may leave their range
-// by, are on one side, and a closed one is not as deep as one has been.
+// by, are on one side.
 bool EventSearch::far(std::size_t i, const PointValues& form) {
   const double direction = sign(i), offset = *weights_[i].offset;
   auto p = Points<16>::Map(samples_[i].data());
   p = direction * (Points<16>::Map(form.data()) + offset);
-  const std::size_t order = stepper_.order();
-  double least = p[0], most = p[0];
-  for (std::size_t j = 1; j <= order; ++j)
-    least = std::min(least, samples_[i][j]), most = std::max(most, samples_[i][j]);
-  const double excess = Bernstein::excess(order) * (most - least);
+  const std::span<const double> values = std::span(samples_[i]).first(stepper_.order() + 1);
+  double least = values[0], most = least;
+  for (const double value : values) least = std::min(least, value), most = std::max(most, value);
+  const double excess = Bernstein::excess(values.size() - 1) * (most - least);
   if (contacts_[i].collides && !contacts_.closed(i)) stepper_.weights().widen(i, most);
-  return least - excess > 0.0 &&
-         (!contacts_.closed(i) || contacts_[i].penetration_share() * (most + excess) <= max_penetration_);
+  if (!(least - excess > 0.0)) return false;
+  const double share = contacts_[i].penetration_share();
+  if (contacts_.closed(i) && share * (most + excess) > max_penetration_)
+    max_penetration_ = share * Bernstein::through(values).largest(max_penetration_ / share);
+  return true;
 }
 
 void EventSearch::find_rated() {

@@ -185,6 +185,7 @@ class EventSearch {
   std::vector<std::optional<IndicatorWeights>> pushes_;  // of stops that let go
   std::vector<std::size_t> moving_;                      // those whose obstacle moves, and is not looked for so
   std::vector<std::size_t> form_of_;                     // the place of each contact's form, or none
+  std::vector<std::size_t> by_entries_;                  // contacts without
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end
   std::vector<IndicatorWeights> weights_;                // of those
   std::vector<PointValues> samples_, push_samples_;      // of the oriented indicators of a step
