@@ -1,5 +1,7 @@
 #include "dynamics/indicator.hpp"
 
+#include <algorithm>
+
 #include "dynamics/contact_rows.hpp"
 
 namespace viscobar {
@@ -53,7 +55,8 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   const double sign = contacts[i].sign;
   IndicatorWeights weights{.values = {sign}};
   const bool held = contacts[i].holds && contacts.closed(i);
-  if (!load_.acts() || !(held || contacts[i].follows)) weights.offset = offset(i, 0.0);
+  weights.varying = offset(i);
+  if (weights.varying.load == 0.0) weights.offset = weights.varying.rest;
   if (held && contacts[i].has_joint_row()) {
     weights.alone = false;
     add_joint_weights(holding_row(contacts, i), weights);
@@ -95,19 +98,19 @@ IndicatorWeights Indicators::weights(std::size_t i) const {
   return weights;
 }
 
-double Indicators::offset(std::size_t i, double t) const {
+IndicatorOffset Indicators::offset(std::size_t i) const {
   const Contacts& contacts = contacts_;
   const BarSystem& bar = contacts.bar();
   const std::size_t node = contacts[i].unknown;
-  if (!contacts[i].follows && !(contacts[i].holds && contacts.closed(i))) return contacts.offset(i);
+  if (!contacts[i].follows && !(contacts[i].holds && contacts.closed(i))) return {contacts.offset(i)};
   if (contacts[i].has_joint_row()) {
     const JointRow row = holding_row(contacts, i);
     const std::array<double, 3> origins = {contacts.origin().at(row.node), contacts.origin().at(row.next),
                                            contacts.origin().at(row.beyond)};
     double force = row.ground_stiffness * origins[0] - row.ground_force;
-    force -= row.sum_over_rows([&](std::size_t j) { return load_.of_bar(j, t); });
     for (std::size_t k = 0; k < 3; ++k) force += row.side_stiffness[k] * origins[k];
-    return row.sign * (row.stiffness / row.scale * (origins[1] - origins[0]) - force / row.scale);
+    return {row.sign * (row.stiffness / row.scale * (origins[1] - origins[0]) - force / row.scale),
+            load_.acts() ? row.sign / row.scale : 0.0, std::min(row.node, row.last), std::max(row.node, row.last)};
   }
   double neighbours = contacts[i].clearance(contacts.origin().at(neighbour(node)));
   for (const Support& support : bar.supports())
@@ -123,9 +126,8 @@ double Indicators::offset(std::size_t i, double t) const {
     neighbours -= contacts[i].sign * bar.elements().stretch_beside(node) / bar.bar().modulus *
                   side->at_end(bar.unknowns().is_right(node), resting);
   }
-  if (!load_.acts()) return neighbours;
-  return neighbours +
-         contacts[i].sign * load_.of_bar(node, t) * bar.elements().stretch_beside(node) / bar.bar().modulus;
+  const double share = contacts[i].sign * bar.elements().stretch_beside(node) / bar.bar().modulus;
+  return {neighbours, load_.acts() ? share : 0.0, node, node};
 }
 
 double Indicators::rounding(std::size_t i, double largest) const {

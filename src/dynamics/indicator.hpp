@@ -11,6 +11,19 @@
 
 namespace viscobar {
 
+/// What an indicator has beside entries: rest + load * (the sum of (M f)_j over the unknowns from first to last).
+struct IndicatorOffset {
+  double rest = 0.0, load = 0.0;
+  std::size_t first = 0, last = 0;
+
+  /// `of_unknown(j)` is (M f)_j.
+  double of_load(auto&& of_unknown) const {
+    double sum = 0.0;
+    for (std::size_t j = first; j <= last; ++j) sum += of_unknown(j);
+    return load * sum;
+  }
+};
+
 /// Weights in an indicator of the values of its entries, in their order, and where the contact holds_mass() of the
 /// rates of the last ones.
 struct IndicatorWeights {
@@ -19,6 +32,7 @@ struct IndicatorWeights {
   bool sided = false;                           ///< true if those count
   bool alone = true;                            ///< the first value is all that it takes
   std::optional<double> offset = std::nullopt;  ///< the rest, where it is the same at all times
+  IndicatorOffset varying{};                    ///< the same where it is not
 
   double operator()(std::span<const double> entries, std::span<const double> of_entries = {}) const {
     if (alone) return values[0] * entries[0];
@@ -47,7 +61,12 @@ class Indicators {
 
   std::vector<std::size_t> entries(std::size_t i) const;  ///< of (u, w), of contact i
   IndicatorWeights weights(std::size_t i) const;          ///< as the contacts are now
-  double offset(std::size_t i, double t) const;           ///< the rest: gap, and load where the row asks for it
+  IndicatorOffset offset(std::size_t i) const;            ///< the rest: gap, and load where the row asks for it
+  /// The same at t.
+  double offset(std::size_t i, double t) const {
+    const IndicatorOffset all = offset(i);
+    return all.load == 0.0 ? all.rest : all.rest + all.of_load([&](std::size_t j) { return load_.alone(j, t); });
+  }
   /// Rounding error of p, for displacements up to `largest`: as that of the clearance; of a closed contact measured
   /// from its obstacle, smaller by 1 / (1 + kappa).
   double rounding(std::size_t i, double largest) const;

@@ -100,10 +100,11 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
       near_.empty() ? std::span<const PointValues>() : stepper_.samples(begin, end, 0, near_);
   std::span<const PointValues> rates;
   if (!rated_.empty()) rates = stepper_.samples(begin, end, 1, rated_);
+  take_loads(begin, end);
   for (const std::size_t i : looked_at_) {
     if (by_form(i)) continue;
-    orient(i, begin, end, weights_[i], points, rates, samples_[i]);
-    if (lets_go(i)) orient(i, begin, end, *pushes_[i], points, {}, push_samples_[i]);
+    orient(i, weights_[i], points, rates, samples_[i]);
+    if (lets_go(i)) orient(i, *pushes_[i], points, {}, push_samples_[i]);
   }
   if (ends && !selects() && !ends->idle()) ends->look_at(begin, end, order, points, rates);
   double first = 2.0;
@@ -420,6 +421,18 @@ bool EventSearch::far(std::size_t i, const PointValues& form) {
   return true;
 }
 
+// Time by time, since a load is evaluated once for all that ask for it at one time.
+void EventSearch::take_loads(double begin, double end) {
+  if (!system_.load().acts()) return;
+  loads_.resize(count_);
+  for (std::size_t j = 0, order = stepper_.order(); j <= order; ++j) {
+    const double t = point_of(begin, end, order, j);
+    for (const std::size_t i : looked_at_)
+      if (!weights_[i].offset)
+        loads_[i][j] = weights_[i].varying.of_load([&](std::size_t k) { return system_.load().alone(k, t); });
+  }
+}
+
 void EventSearch::find_rated() {
   rated_.clear();
   for (const std::size_t i : looked_at_)
@@ -470,9 +483,8 @@ inline double EventSearch::oriented(std::size_t i, double t, const IndicatorWeig
   return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : indicators_.offset(i, t)));
 }
 
-void EventSearch::orient(std::size_t i, double begin, double end, const IndicatorWeights& weights,
-                         std::span<const PointValues> values, std::span<const PointValues> rates,
-                         PointValues& out) const {
+void EventSearch::orient(std::size_t i, const IndicatorWeights& weights, std::span<const PointValues> values,
+                         std::span<const PointValues> rates, PointValues& out) const {
   const std::size_t first = first_[i], count = first_[i + 1] - first, order = stepper_.order();
   PointValues sum;
   // Not inlined: gcc would make vectors of the few entries instead of the points.
@@ -487,10 +499,9 @@ void EventSearch::orient(std::size_t i, double begin, double end, const Indicato
     for (std::size_t k = 3; weights.sided && k < count; ++k) add(weights.values[k], values[first + k]);
     for (std::size_t k = 2; !rates.empty() && k < count; ++k) add(weights.rates[k - 2], rates[first + k]);
   }
-  const double direction = sign(i), offset = weights.offset.value_or(0.0);
+  const double direction = sign(i), offset = weights.offset.value_or(weights.varying.rest);
   for (std::size_t j = 0; j < sum.size(); ++j) out[j] = direction * (sum[j] + offset);
-  for (std::size_t j = 0; !weights.offset && j <= order; ++j)
-    out[j] = direction * (sum[j] + indicators_.offset(i, point_of(begin, end, order, j)));
+  for (std::size_t j = 0; !weights.offset && j <= order; ++j) out[j] = direction * (sum[j] + offset + loads_[i][j]);
 }
 
 // Rate of the oriented indicator, which is `now`. Where that has accelerations their rate is a difference over a part

@@ -110,6 +110,7 @@ class EventSearch {
   bool look_at_the_near(std::span<const PointValues> forms);
   bool by_form(std::size_t i) const { return form_of_[i] != none; }
   void find_rated();
+  void take_loads(double begin, double end);
   bool lets_go(std::size_t i) const { return lets_go_ && pushes_[i]; }
   void look_up(std::size_t i);  // its weights, as the contacts are
   // Behind the entries of contact i that are needed.
@@ -167,8 +168,8 @@ class EventSearch {
   double oriented(std::size_t i, double t, const IndicatorWeights& weights, std::span<const double> values,
                   std::span<const double> rates = {}) const;
   // The same at all points of a step.
-  void orient(std::size_t i, double begin, double end, const IndicatorWeights& weights,
-              std::span<const PointValues> values, std::span<const PointValues> rates, PointValues& out) const;
+  void orient(std::size_t i, const IndicatorWeights& weights, std::span<const PointValues> values,
+              std::span<const PointValues> rates, PointValues& out) const;
   double rate(std::size_t i, double begin, double t, double now);
   double polished(double begin, double end, double t, std::size_t i);
 
@@ -189,6 +190,7 @@ class EventSearch {
   std::vector<double> lowest_, highest_, last_;          // bounds of the entries over the step, and at its end
   std::vector<IndicatorWeights> weights_;                // of those
   std::vector<PointValues> samples_, push_samples_;      // of the oriented indicators of a step
+  std::vector<PointValues> loads_;                       // of what these have of the load
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
   std::vector<double> state_, acceleration_;  // where p descends
