@@ -3,7 +3,7 @@ of one in docs/bars-in-line.md.
 
 python3 tests/measurements/step_instructions.py [--bars] PROGRAM [PROGRAM BEFORE]
 
-With --bars that of bars in line alone. Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
+With --bars that of bars in line alone, which write at their end. Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
 start and end is no part of it. It needs valgrind, which knows AVX2 but not AVX-512: build the programs by
 cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
 """
@@ -55,6 +55,8 @@ BARS = {
     "ten, in contact": '[[joint]]\nkind = "contact"\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\n"] * 10),
 }
 OF_BARS = """
+[output]
+every = {end}
 [left]
 kind = "fixed"
 [right]
