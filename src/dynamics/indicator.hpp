@@ -11,7 +11,7 @@
 
 namespace viscobar {
 
-/// What an indicator has beside entries: rest + load * (the sum of (M f)_j over the unknowns from first to last).
+/// The part of an indicator beside entries: rest + load * (the sum of (M f)_j over the unknowns from first to last).
 struct IndicatorOffset {
   double rest = 0.0, load = 0.0;
   std::size_t first = 0, last = 0;
