@@ -11,7 +11,6 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
       left_fixed_(system.unknowns().left_fixed()),
       right_fixed_(system.unknowns().right_fixed()),
       damped_(system.bar().damped()),
-      uniform_(system.elements().rows_alike()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)),
@@ -167,7 +166,10 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
         if (i >= n_) return constant * right_displacement_ + constant * Real(origin_[n_ - 1]);
         return u[i] + constant * Real(origin_[i]);
       };
-      const auto velocity = at_nodes(v, 0, 0);
+      const auto velocity = [&](std::size_t j) {
+        const Index i = static_cast<Index>(j) - first_node_;
+        return i < 0 || i >= n_ ? Real(0) : Real(v[i]);
+      };
       side_->subtract(
           [&](std::size_t j) { return displacement(j) * side_->stiffness(j) + rate * velocity(j) * side_->drag(j); },
           static_cast<std::size_t>(first_node_ + massive_begin_), static_cast<std::size_t>(massive), force);
@@ -202,42 +204,10 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::acceleration(const Series& ser
 }
 
 template <class Real>
-Real LinearLeg<Real>::end_power(const Vector& v, const Vector& a) const {
-  const auto entry = [](const Vector& x) { return [&x](std::size_t i) { return x[static_cast<Index>(i)]; }; };
-  return inertia_->unsymmetric_product(entry(v), entry(a));
-}
-
-template <class Real>
 typename LinearLeg<Real>::Vector LinearLeg<Real>::pack(const Vector& u, const Vector& v) const {
   Vector y(size());
   y << u.segment(moving_begin_, moving_), v.segment(massive_begin_, massive_end_ - massive_begin_);
   return y;
-}
-
-template <class Real>
-Real LinearLeg<Real>::dissipation(const Vector& v) const {
-  Real sum = 0;
-  if (uniform_) {
-    sum = (v.tail(n_ - 1) - v.head(n_ - 1)).squaredNorm();
-    if (left_fixed_) sum += v[0] * v[0];
-    if (right_fixed_) sum += v[n_ - 1] * v[n_ - 1];
-    sum *= damping_[0];
-  } else {
-    for (Index i = 0; i + 1 < n_; ++i) sum += damping_[i + 1] * (v[i + 1] - v[i]) * (v[i + 1] - v[i]);
-    if (left_fixed_) sum += damping_[0] * v[0] * v[0];
-    if (right_fixed_) sum += damping_[n_] * v[n_ - 1] * v[n_ - 1];
-  }
-  for (const ClosedContact& contact : closed_) sum += contact.law.damping * contact.of<Real>(v) * contact.of<Real>(v);
-  if (side_ && side_->has_drag()) sum += side_->drag_power(at_nodes(v, 0, 0));
-  return sum;
-}
-
-template <class Real>
-Real LinearLeg<Real>::side_power(const Vector& v, const Vector& u) const {
-  if (!side_ || !side_->has_row_power()) return 0;
-  const Vector placed = u + origin_.template cast<Real>();
-  return side_->row_power(at_nodes(v, 0, 0),
-                          at_nodes(placed, left_displacement_ + origin_[0], right_displacement_ + origin_[n_ - 1]));
 }
 
 template class LinearLeg<double>;

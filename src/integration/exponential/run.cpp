@@ -48,22 +48,28 @@ Statistics Run::reached() {
 void Run::close_energy() {
   if (!statistics_.energy || y_.size() == 0) return;
   try {
-    const std::vector<double> u = displacement();
-    std::vector<double> w = velocity();
-    penalised_.complete_velocity(t_, u, w);
-    const double of_frame = frame_energy(penalised_, t_, u, w);
-    statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
-    statistics_.energy->work += of_frame;
+    State now = state();
+    penalised_.complete_velocity(t_, now.u, now.v);
+    finish_energy(t_, now.u, now.v);
   } catch (const std::exception&) {  // the cause of the failure may stop this, too
   }
 }
 
+void Run::finish_energy(double t, std::span<const double> u, std::span<const double> w) {
+  const double of_frame = frame_energy(penalised_, t, u, w);
+  statistics_.energy->final = energy(penalised_.contacts(), u, w) + of_frame;
+  statistics_.energy->work += of_frame;
+}
+
 // Undamped nodes without mass follow their rows at once. Where a load jumps, or opens or closes their contact by that,
 // the energy that it gives them is its work.
-double Run::energy_of_followers() {
-  if (!statistics_.energy || !system_.inertia().has_massless() || system_.bar().damped()) return 0.0;
-  const std::vector<double> w(system_.size());
-  return energy(penalised_.contacts(), displacement(), w);
+void Run::as_work_on_followers(auto&& change) {
+  const bool follow = statistics_.energy && system_.inertia().has_massless() && !system_.bar().damped();
+  const std::vector<double> still(system_.size());
+  const auto stored = [&] { return follow ? energy(penalised_.contacts(), state().u, still) : 0.0; };
+  const double before = stored();
+  change();
+  if (follow) statistics_.energy->work += stored() - before;
 }
 
 void Run::enter_piece() {
@@ -74,17 +80,15 @@ void Run::enter_piece() {
 void Run::pass_kink() {
   const auto jump = system_.frame().kink(t_, times_.back());
   if (!jump) return;
-  std::vector<double> u = displacement(), w = velocity(), change = w;
+  auto [u, w] = state();
+  std::vector<double> change = w;
   const double before = energy(penalised_.contacts(), u, w);
   system_.frame().pass_kink(*jump, u, w);
   for (std::size_t i = 0; i < w.size(); ++i) change[i] = w[i] - change[i];
   std::vector<std::size_t> left;
   if (jump->displaces()) left = left_by_jump(penalised_.contacts(), *jump, t_, u, largest_displacement_);
   if (ends_ && !jump->displaces()) ends_->pass_kink(change);
-  for (Index k = 0; jump->displaces() && k < leg().displacements(); ++k)
-    y_[k] -= jump->displacement.at(system_.frame().share(first_displacement() + static_cast<std::size_t>(k)));
-  const std::size_t first = system_.inertia().massive_begin(), count = system_.inertia().massive_end() - first;
-  std::copy_n(w.data() + first, count, y_.data() + leg().displacements());
+  put(u, w);
   if (jump->displaces()) leave_obstacles(left, u, w);
   if (statistics_.energy) statistics_.energy->work += energy(penalised_.contacts(), u, w) - before;
 }
@@ -92,9 +96,7 @@ void Run::pass_kink() {
 void Run::leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w) {
   if (ends_) {
     penalised_.complete_velocity(t_, u, w);
-    std::vector<double> measured(u.begin(), u.end());
-    for (std::size_t i = 0; i < u.size(); ++i) measured[i] -= propagators_.origin()[static_cast<Index>(i)];
-    ends_->enter_frame(measured, w);
+    ends_->enter_frame(u, w);
   }
   for (const std::size_t c : left) {
     penalised_.contacts().set_closed(c, false);
@@ -105,31 +107,34 @@ void Run::leave_obstacles(const std::vector<std::size_t>& left, std::span<double
   begin_leg();
 }
 
-std::vector<double> Run::displacement() {
-  std::vector<double> u(system_.size());
-  for (Index k = 0; k < leg().displacements(); ++k) {
-    const std::size_t i = first_displacement() + static_cast<std::size_t>(k);
-    u[i] = y_[k] + propagators_.origin()[static_cast<Index>(i)];
-  }
-  penalised_.complete_displacement(t_, u);
-  return u;
+State Run::unpacked() const {
+  State all{std::vector<double>(system_.size()), std::vector<double>(system_.size())};
+  const Index n = leg().displacements();
+  std::copy_n(y_.data(), n, all.u.begin() + static_cast<std::ptrdiff_t>(first_displacement()));
+  std::copy(y_.data() + n, y_.data() + y_.size(),
+            all.v.begin() + static_cast<std::ptrdiff_t>(system_.inertia().massive_begin()));
+  return all;
 }
 
-std::vector<double> Run::velocity() const {
-  std::vector<double> w(system_.size(), 0.0);
-  std::ranges::copy(y_.tail(leg().size() - leg().displacements()),
-                    w.begin() + static_cast<std::ptrdiff_t>(system_.inertia().massive_begin()));
-  return w;
+State Run::state() {
+  State now = unpacked();
+  penalised_.complete_displacement(t_, now.u);
+  return now;
+}
+
+void Run::put(std::span<const double> u, std::span<const double> w) {
+  const auto vector = [](std::span<const double> x) {
+    return VectorXd(Eigen::Map<const VectorXd>(x.data(), static_cast<Index>(x.size())));
+  };
+  y_ = leg().pack(vector(u), vector(w));
 }
 
 void Run::settle_high_modes(bool starting) {
   if (!filter_.acts()) return;
   for (std::size_t c = 0; c < contacts(); ++c)
     if (starting && penalised_.contacts().closed(c)) return;
-  std::vector<double> u = displacement(), w(system_.size());
-  const Index n = leg().displacements();
-  std::copy_n(y_.data() + n, n, w.begin());
-  const std::vector<double> before = u;
+  const State before = state();
+  auto [u, w] = before;
   JumpFilter::Taken taken;
   if (starting) {
     // The state is known to rounding.
@@ -138,10 +143,9 @@ void Run::settle_high_modes(bool starting) {
   } else {
     taken = filter_.pass_break(penalised_, t_, times_.back(), u, w);
   }
-  if (u == before && std::ranges::equal(w, y_.segment(n, n))) return;
-  for (std::size_t i = 0; i < u.size(); ++i) y_[static_cast<Index>(i)] += u[i] - before[i];
-  std::ranges::copy(w, y_.data() + n);
-  if (ends_) ends_->begin(t_, {y_.data(), u.size()}, w);
+  if (u == before.u && w == before.v) return;
+  put(u, w);
+  if (ends_) ends_->begin(t_, u, w);
   if (!statistics_.energy) return;
   statistics_.energy->take_by_rows(taken.energy);
   statistics_.energy->work += taken.work;
@@ -154,11 +158,8 @@ void Run::begin(const State& start) {
   penalised_.complete_velocity(t_, state.u, state.v);
   const std::vector<double> approach = state.v;
   penalised_.settle(t_, state.u, state.v);
-  const auto vector = [](const std::vector<double>& x) {
-    return VectorXd(Eigen::Map<const VectorXd>(x.data(), static_cast<Index>(x.size())));
-  };
   begin_leg();
-  y_ = leg().pack(vector(state.u), vector(state.v));
+  put(state.u, state.v);
   if (observers_.account) {
     statistics_.account.emplace();
     watch_ends();
@@ -193,8 +194,6 @@ void Run::go_on(const Checkpoint& checkpoint) {
   if (observers_.account && statistics_.account) watch_ends();
   restore(*this, checkpoint, times_, observers_);
   next_output_ = checkpoint.outputs;
-  for (std::size_t c = 0; c < contacts(); ++c)
-    if (measured_[c]) propagators_.measure_from_obstacle(c);
   begin_leg();
   if (checkpoint.frame == Checkpoint::Frame::entered) return;  // the part before has passed what is here
   pass_kink();
@@ -208,33 +207,28 @@ void Run::watch_ends() {
 }
 
 void Run::measure_from_obstacle(std::size_t closing) {
-  if (distance_.follows(closing) || measured_[closing] || penalised_.contacts()[closing].joint > 0) return;
-  for (std::size_t c = 0; c < contacts(); ++c) {
-    const Contact &one = penalised_.contacts()[c], &other = penalised_.contacts()[closing];
-    if (one.where != other.where || one.sign != other.sign) continue;
-    measured_[c] = 1;
-    displacement_of(node(c)) += propagators_.origin()[node(c)] + one.sign * one.gap;
-    propagators_.measure_from_obstacle(c);
-  }
+  if (distance_.follows(closing)) return;
+  State now = unpacked();
+  penalised_.contacts().measure(closing, now.u);
+  put(now.u, now.v);
 }
 
 void Run::begin_leg() {
   propagator_ = &propagators_.present();
-  if (ends_) ends_->measure_from(entries(propagators_.origin()));
+  if (ends_) ends_->measure_from(penalised_.contacts().origin().values());
   level_ = wait_ = 0;
 }
 
 bool Run::advance() {
   if (t_ >= piece_end_) {
-    const double before = energy_of_followers();
-    enter_piece();
-    if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
+    as_work_on_followers([this] { enter_piece(); });
     pass_kink();
     settle_high_modes(false);
   }
-  const Index count = leg().displacements();
-  const auto origin = propagators_.origin().segment(static_cast<Index>(first_displacement()), count);
-  largest_displacement_ = std::max(largest_displacement_, (y_.head(count) + origin).cwiseAbs().maxCoeff());
+  const std::span<const double> u(y_.data(), static_cast<std::size_t>(leg().displacements()));
+  for (std::size_t k = 0; k < u.size(); ++k)
+    largest_displacement_ =
+        std::max(largest_displacement_, std::abs(u[k] + penalised_.contacts().origin().at(first_displacement() + k)));
   const double remaining = std::min(schedule_.next().value_or(piece_end_), piece_end_) - t_;
   // A varying load that vanishes at all points of a long step could hide a pulse between them.
   const double longest = load_.varies() ? std::min(remaining, (times_.back() - times_.front()) / 64) : remaining;
@@ -288,7 +282,7 @@ bool Run::take_long_step(double tau) {
     if (!ends_->resolved()) return false;
   }
   std::optional<SampledFlow> flow;
-  if (energy_flows() && !(flow = resolved_flow(motion, p, tau, penetration))) return false;
+  if (energy_flows() && !(flow = resolved_flow(motion, tau, penetration))) return false;
   if (ends_) ends_->add();
   output_until(t_ + tau, tau, [&](double sigma) { return flow ? flow->until(sigma) : EnergyFlow{}; });
   if (flow) add(flow->flow);
@@ -310,7 +304,8 @@ void Run::take_short_step(double tau) {
   if (contacts() > 0) {
     ++statistics_.event_evaluations;
     known.displacement =
-        std::max(known.displacement, (leg().displacement(series, 1.0) + propagators_.origin()).cwiseAbs().maxCoeff());
+        std::max(known.displacement,
+                 penalised_.contacts().origin().largest_displacement(entries(leg().displacement(series, 1.0))));
   }
   for (std::size_t c = 0; c < contacts(); ++c) {
     distances.push_back(distance_.along(c, series, p_));
@@ -338,14 +333,15 @@ void Run::take_short_step(double tau) {
     if (leaves && *leaves < sigma) sigma = *leaves, changing.reset();
   }
   const double t = t_ + tau * sigma;
-  output_until(t, tau, [&](double at) {
-    return energy_flows() ? gauss_flow(leg(), series, load_.total(p_), tau, at, frame_flow(tau)) : EnergyFlow{};
-  });
+  const auto flow_until = [&](double at) {
+    return energy_flows() ? gauss_flow(power(series, tau), series, at) : EnergyFlow{};
+  };
+  output_until(t, tau, flow_until);
   for (std::size_t c = 0; c < contacts(); ++c)
     if (penalised_.contacts().closed(c))
       statistics_.max_penetration =
           std::max(statistics_.max_penetration, distance_.penetration_share(c) * largest_value(distances[c], sigma));
-  if (energy_flows()) add(gauss_flow(leg(), series, load_.total(p_), tau, sigma, frame_flow(tau)));
+  if (energy_flows()) add(flow_until(sigma));
   if (ends_) {
     // A series of that degree is the motion to rounding, since (rate bound) * step <= 1.
     ends_->look_at(
@@ -363,11 +359,10 @@ void Run::take_short_step(double tau) {
 
 void Run::follow(const Series& series, double tau) {
   output_until(t_, tau, [](double) { return EnergyFlow{}; });  // in the frame that ends here
-  VectorXd u = leg().displacement(series, 0.0) + propagators_.origin(), v = leg().velocity(series, 0.0, tau);
+  VectorXd u = leg().displacement(series, 0.0), v = leg().velocity(series, 0.0, tau);
   const auto all = [](VectorXd& x) { return std::span(x.data(), static_cast<std::size_t>(x.size())); };
   const double after = t_ + 64.0 * rounding * std::max(std::abs(t_), times_.back());
   const double gained = change_frame(penalised_, system_.following(), after, all(u), all(v));
-  u -= propagators_.origin();
   if (statistics_.energy) statistics_.energy->work -= gained;
   if (ends_) ends_->enter_frame(entries(u), entries(v));
   y_ = leg().pack(u, v);
@@ -387,21 +382,21 @@ void Run::change_contacts(std::size_t first, const std::vector<VectorXd>& distan
                   : leaving && std::abs(value(distances[c], sigma)) <= distance_.band(c, largest());
     if (c == first || changes) changing.push_back(c);
   }
-  const double before = energy_of_followers();
-  for (const std::size_t c : changing) {
-    if (pushes[c] && statistics_.energy) {  // the energy of the spring goes as it lets go
-      const double out = penalised_.contacts().closed(c) ? 1.0 : -1.0;
-      add({.dissipated = out * penalised_.contacts()[c].law.stop()->energy(out * value(distances[c], sigma))});
+  as_work_on_followers([&] {
+    for (const std::size_t c : changing) {
+      if (pushes[c] && statistics_.energy) {  // the energy of the spring goes as it lets go
+        const double out = penalised_.contacts().closed(c) ? 1.0 : -1.0;
+        add({.dissipated = out * penalised_.contacts()[c].law.stop()->energy(out * value(distances[c], sigma))});
+      }
+      penalised_.contacts().set_closed(c, !penalised_.contacts().closed(c));
+      if (penalised_.contacts().closed(c)) measure_from_obstacle(c);
+      if (!distance_.follows(c) && !pushes[c])
+        displacement_of(node(c)) = penalised_.contacts().surface(c) +  // to the digits that only the new leg needs
+                                   (penalised_.contacts()[c].joint > 0 ? displacement_of(node(c) - 1) : 0.0);
+      tell_change(c, penalised_.contacts()[c].of(entries(v)));
     }
-    penalised_.contacts().set_closed(c, !penalised_.contacts().closed(c));
-    if (penalised_.contacts().closed(c)) measure_from_obstacle(c);
-    if (!distance_.follows(c) && !pushes[c])
-      displacement_of(node(c)) = propagators_.surface(c) +  // to the digits that only the new leg needs
-                                 (penalised_.contacts()[c].joint > 0 ? displacement_of(node(c) - 1) : 0.0);
-    tell_change(c, penalised_.contacts()[c].of(entries(v)));
-  }
-  begin_leg();
-  if (statistics_.energy) statistics_.energy->work += energy_of_followers() - before;
+    begin_leg();
+  });
 }
 
 void Run::tell_change(std::size_t c, double velocity) {
@@ -425,16 +420,8 @@ std::span<const double> Run::end_sample(const Series& series, double sigma, doub
   return sampled_;
 }
 
-std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
-                                              double tau, double penetration) const {
-  std::vector<VectorXd> displacements, velocities, loads, accelerations;
-  for (std::size_t k = 0; k < motion.size(); ++k) {
-    if (system_.frame().moving() || system_.side()) displacements.push_back(motion[k].col(0));
-    velocities.push_back(motion[k].col(1) / tau);
-    if (system_.loaded()) loads.push_back(load_.total(p[k]).col(0));
-    if (system_.has_end_rows()) accelerations.push_back(motion[k].col(2) * (2.0 / (tau * tau)));
-  }
-  SampledFlow sampled = sampled_flow(leg(), displacements, velocities, loads, accelerations, tau, frame_flow(tau));
+std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion, double tau, double penetration) const {
+  SampledFlow sampled = sampled_flow(power(motion.front(), tau), motion);
   const EnergyFlow& flow = sampled.flow;
   // As a bar at rest sets in motion, its energy is so small that a share of it would be below the flow's own
   // rounding.
@@ -442,28 +429,17 @@ std::optional<SampledFlow> Run::resolved_flow(const std::vector<Series>& motion,
   const double known = 64.0 * rounding *
                            (std::abs(flow.dissipated) + std::abs(flow.work) + std::abs(flow.end_inertia) +
                             distance_.cancelled_power(penetration) * tau) +
-                       end_power_rounding(velocities) * tau;
+                       end_power_rounding(motion, tau) * tau;
   if (sampled.error > std::max({share, known, std::numeric_limits<double>::min()})) return std::nullopt;
   return sampled;
 }
 
-FrameFlow Run::frame_flow(double tau) const {
-  if (!system_.frame().moving() && !system_.side()) return {};
-  return [this, tau](double sigma, const VectorXd& u, const VectorXd& v, const VectorXd& a) {
-    const double t = t_ + sigma * tau, loss = frame_loss(penalised_.bar(), t, entries(v));
-    const bool moves = system_.frame().moving() && system_.has_end_rows();
-    const VectorXd placed = u + propagators_.origin();
-    const double end = moves ? end_power(penalised_, t, entries(placed), entries(v), entries(a)).of_frame : 0.0;
-    return EnergyFlow{loss, loss + end, end + leg().side_power(v, u)};
-  };
-}
-
-double Run::end_power_rounding(const std::vector<VectorXd>& velocities) const {
+double Run::end_power_rounding(const std::vector<Series>& motion, double tau) const {
   if (!system_.has_end_rows()) return 0.0;
   double fastest = 0.0, gained = 0.0;
-  for (const VectorXd& v : velocities) {
-    fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
-    gained = std::max(gained, (v - velocities[0]).cwiseAbs().maxCoeff());
+  for (const Series& one : motion) {
+    fastest = std::max(fastest, one.col(1).cwiseAbs().maxCoeff() / tau);
+    gained = std::max(gained, (one.col(1) - motion[0].col(1)).cwiseAbs().maxCoeff() / tau);
   }
   const Bar& bar = system_.bar();
   return 4.0 / 3.0 * gained * bar.density * propagators_.inverse_inertia() * rounding *
@@ -489,20 +465,18 @@ void Run::output_until(double t, double tau, const std::function<EnergyFlow(doub
       s -= width;
     }
     const Series series = propagator_->expand(y, p, width);
-    const VectorXd u = leg().displacement(series, s / width) + propagators_.origin();
-    const VectorXd v = leg().velocity(series, s / width, width);
-    const double of_frame =
-        statistics_.energy ? frame_energy(penalised_, times_[next_output_], entries(u), entries(v)) : 0.0;
-    if (last && statistics_.energy) {
-      statistics_.energy->final = energy(penalised_.contacts(), entries(u), entries(v)) + of_frame;
-      statistics_.energy->work += of_frame;
-    }
+    const VectorXd u = leg().displacement(series, s / width), v = leg().velocity(series, s / width, width);
+    double of_frame = 0.0;
+    if (last && statistics_.energy)
+      finish_energy(times_[next_output_], entries(u), entries(v));
+    else if (statistics_.energy)
+      of_frame = frame_energy(penalised_, times_[next_output_], entries(u), entries(v));
     if (!observers_.snapshot) continue;
     std::optional<EnergyState> energy;
     if (statistics_.energy) {
       const EnergyFlow flow = flow_until((times_[next_output_] - t_) / tau);
       energy = EnergyState{.dissipated = statistics_.energy->dissipated + flow.dissipated + flow.end_inertia,
-                           .work = statistics_.energy->work + flow.work + (last ? 0.0 : of_frame),
+                           .work = statistics_.energy->work + flow.work + of_frame,
                            .end_inertia = statistics_.energy->end_inertia + flow.end_inertia};
     }
     tell_snapshot(times_[next_output_], u, v, series, p, s / width, energy);

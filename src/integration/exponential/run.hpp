@@ -24,8 +24,6 @@ namespace viscobar::exponential {
 using Eigen::VectorXd;
 using Series = LinearLeg<double>::Series;
 
-inline std::span<const double> entries(const VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
-
 /// A run of the exponential method, leg by leg; on a leg no contact changes. A leg begins with steps that one Taylor
 /// series covers. They double as long as they resolve the load, a contact change, the energy flow, and a new maximum of
 /// the penetration. Where a step may hide one of these, shorter steps look for it, in the end those of the series,
@@ -45,19 +43,17 @@ class Run {
         notifier_(observers, statistics_),
         load_(system, times.front(), times.back()),
         propagators_(penalised_, load_, statistics_.matrix_factorisations),
-        distance_(system_, penalised_, propagators_, load_),
+        distance_(system_, penalised_, load_),
         watchdog_(times.front(), times.back(), 10'000, 1e9),
         t_(begin_of(start, times)),
-        schedule_(observers, times, t_),
-        measured_(contacts(), 0) {}
+        schedule_(observers, times, t_) {}
 
   PartEnd operator()(const StartingPoint& start);
 
   /// Content of a checkpoint.
   static void members(auto& run, auto&& each) {
-    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), run.penalised_.contacts(),
-         std::span(run.measured_), run.watchdog_, run.load_, run.load_jumps_, run.largest_displacement_,
-         run.energy_scale_);
+    each(std::span(run.y_.data(), static_cast<std::size_t>(run.y_.size())), run.penalised_.contacts(), run.watchdog_,
+         run.load_, run.load_jumps_, run.largest_displacement_, run.energy_scale_);
     if (run.ends_) each(*run.ends_);
   }
 
@@ -76,9 +72,10 @@ class Run {
   Statistics reached();
   void close_energy();  // of a run that could not go on
 
-  double energy_of_followers();
-  void enter_piece();  // of time, from here on, in which the load is smooth
-  void pass_kink();    // where what holds or bounds an end changes its velocity at once
+  void finish_energy(double t, std::span<const double> u, std::span<const double> w);
+  void as_work_on_followers(auto&& change);  // the energy that a change gives them
+  void enter_piece();                        // of time, from here on, in which the load is smooth
+  void pass_kink();                          // where what holds or bounds an end changes its velocity at once
   // Puts high modes at their equilibrium (see JumpFilter): at the start, or where the load breaks.
   void settle_high_modes(bool starting);
   void leave_obstacles(const std::vector<std::size_t>& left, std::span<double> u, std::span<double> w);
@@ -87,8 +84,10 @@ class Run {
     return static_cast<std::size_t>(leg().displacements()) == system_.size() ? 0 : system_.inertia().massive_begin();
   }
   double& displacement_of(Index node) { return y_[node - static_cast<Index>(first_displacement())]; }
-  std::vector<double> displacement();    // of all unknowns, not measured from obstacles
-  std::vector<double> velocity() const;  // of all unknowns, 0 of those without mass
+  // Displacements, measured as the contacts do, and velocities of all unknowns: what y has, the state, and back.
+  State unpacked() const;
+  State state();
+  void put(std::span<const double> u, std::span<const double> w);
   void begin(const State& start);
   void go_on(const Checkpoint& checkpoint);
   void watch_ends();
@@ -98,7 +97,6 @@ class Run {
   double sign(std::size_t c) const { return penalised_.contacts()[c].sign; }
 
   // Measures the displacement of a node from the obstacle that it has come to: the penetration keeps all its digits.
-  // The nodes of a span obstacle go together.
   void measure_from_obstacle(std::size_t closing);
   void begin_leg();
 
@@ -117,13 +115,12 @@ class Run {
   bool take_long_step(double tau);
 
   // Over a long step; absent where the step may hide some of it.
-  std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
-                                           double tau, double penetration) const;
-  FrameFlow frame_flow(double tau) const;
+  std::optional<SampledFlow> resolved_flow(const std::vector<Series>& motion, double tau, double penetration) const;
+  StepPower power(const Series& motion, double tau) const { return {penalised_, t_, tau, motion, load_.total(p_)}; }
 
   // Rounding error of the power of the end rows: the row (rho h / 24) (3, 4, 1) times accelerations, by forces
   // that are differences of rounded displacements and velocities, times what the step has changed velocities by.
-  double end_power_rounding(const std::vector<VectorXd>& velocities) const;
+  double end_power_rounding(const std::vector<Series>& motion, double tau) const;
 
   // A step that one Taylor series covers, cut at the first contact change.
   void take_short_step(double tau);
@@ -178,7 +175,6 @@ class Run {
   int wait_ = 0;      // steps until a longer one is tried
   int load_jumps_ = 0;
   std::size_t next_output_ = 0;
-  std::vector<unsigned char> measured_;  // whose node is measured from its obstacle
   double largest_displacement_ = 0.0;
   double energy_scale_ = 0.0;
 };
