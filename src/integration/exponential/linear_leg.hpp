@@ -67,17 +67,11 @@ class LinearLeg {
   Vector pack(const Vector& u, const Vector& v) const;
 
  private:
-  void factorise(const BandedMatrix& inertia);
-  void solve_inertia(Vector& force) const;
-
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
   bool left_fixed_, right_fixed_, damped_;
   Real left_displacement_, right_displacement_;  // of fixed ends
   std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
-  std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
-  // One a one-sided row of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
-  std::vector<Real> beyond_;
-  const BandedMatrix* inertia_ = nullptr;  // the system's
+  TridiagonalFactorOf<Real> factor_;       // of the massive block of rho M
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;
