@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "schemes/time_step.hpp"
@@ -34,32 +36,31 @@ class StepReactions {
     return (1.0 - theta) * step_.reaction_before()[k] + theta * step_.reaction()[k];
   }
   /// Sums over the contacts of an end that is not fixed, and of the span obstacle, in the direction of u.
-  double of_end(bool right, double theta) const { return of(forces_[right], theta); }
-  double of_span(double theta) const { return of(forces_[2], theta); }
+  double of_end(bool right, double theta) const;
+  double of_span(double theta) const {
+    return (1.0 - theta) * span_sum(step_.reaction_before()) + theta * span_sum(step_.reaction());
+  }
 
  private:
   struct WatchedEnd {
     bool right;
     const double *u, *p;  // of its node; of a wall in a moving frame u alone
   };
-  // The sum of the contacts from one up to another, but under a span obstacle of its own ones: N of a joint.
-  struct Force {
-    Where where;
-    std::size_t first, last;
-  };
   double time(std::size_t n) const { return begin_ + static_cast<double>(n) * dt_; }
-  double sum(const Force& force, std::span<const double> values) const;
-  double of(const Force& force, double theta) const {
-    return (1.0 - theta) * sum(force, step_.reaction_before()) + theta * sum(force, step_.reaction());
+  double sign(std::size_t k) const { return step_.contacts()[k].sign; }
+  double span_sum(std::span<const double> values) const;
+  template <class Use>
+  void each_contact_at(bool right, Use&& use) const {
+    for (std::size_t k = at_end_[right].first; k < at_end_[right].second; ++k) use(k);
   }
-  ContactAccount& account_of(const Force& force, RunAccount& account) const;
 
   const BarSystem& system_;
   const TimeStep& step_;
   double begin_, end_, dt_;
   std::size_t steps_;
-  std::vector<Force> forces_;        // of the ends, a span obstacle, and joints
-  std::vector<WatchedEnd> watched_;  // that move
+  bool spanned_;                                                 // by an obstacle
+  std::array<std::pair<std::size_t, std::size_t>, 2> at_end_{};  // contacts from one up to another
+  std::vector<WatchedEnd> watched_;                              // that move
 };
 
 }  // namespace viscobar
