@@ -18,7 +18,7 @@
 
 namespace viscobar::exponential {
 
-/// What is told of the motion in a run, and its accounts.
+/// The accounts of a run, and those whom the motion is told to.
 class Books : protected Motion {
  protected:
   Books(const BarSystem& system, const StartingPoint& start, std::span<const double> times, const Penalty& penalty,
@@ -42,7 +42,7 @@ class Books : protected Motion {
     return statistics_;
   }
 
-  // Of a run that could not go on.
+  // Ends the account of a run that could not go on.
   void close_energy() {
     if (!statistics_.energy || y_.size() == 0) return;
     try {
@@ -129,7 +129,7 @@ class Books : protected Motion {
                      const std::optional<EnergyState>& energy) {
     Snapshot snapshot = snapshot_(t, entries(u), entries(v));
     if (energy) snapshot.energy = snapshot_.energy(snapshot, entries(u), *energy);
-    // Of a node that follows its row, again by what that is judged by, which keeps the digits of the penetration.
+    // A node that follows its row: again by what that is judged by, which keeps the digits of the penetration.
     for (std::size_t c = 0; c < contacts().size(); ++c) {
       if (!contacts().closed(c) || contacts()[c].joint > 0 || !(distance_.follows(c) || contacts()[c].holds)) continue;
       const double depth = distance_.penetration_share(c) * value(distance_.along(c, part.series, part.p), part.sigma);

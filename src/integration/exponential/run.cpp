@@ -62,7 +62,7 @@ class Run : Books {
 
   double shortest_step() const { return 4.0 * rounding * std::max(std::abs(t_), duration_); }
 
-  // Of time, from here on, in which the load is smooth.
+  // A piece of time, from here on, in which the load is smooth.
   void enter_piece() {
     piece_end_ = penalised_.load().begin_leg(t_, times_.back());
     load_.enter(t_, times_.back());
