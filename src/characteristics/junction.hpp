@@ -213,7 +213,7 @@ class Junction {
   void turn(std::size_t link, double s, double z, const Scale& scale);
   void strike(std::size_t link);
   bool closed_at(std::size_t link, double s) const;
-  bool holds(std::size_t link, std::size_t body, double s) const;
+  std::optional<std::size_t> holder(std::size_t body, double s) const;  // link by which ground holds it, if one does
   double depth_at(std::size_t link, double s) const;
   std::pair<double, double> flow(double until) const;
   void leave(double until);

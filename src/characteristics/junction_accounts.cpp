@@ -22,30 +22,30 @@ bool Junction::closed_at(std::size_t link, double s) const {
   return closed;
 }
 
-bool Junction::holds(std::size_t link, std::size_t body, double s) const {
-  const auto& [kind, a, b] = std::tie(links_[link].kind, links_[link].a, links_[link].b);
-  return ((a == body && bodies_[b].held) || (b == body && bodies_[a].held)) &&
-         (kind == Kind::fixed || (kind == Kind::contact && closed_at(link, s)));
+std::optional<std::size_t> Junction::holder(std::size_t body, double s) const {
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    const auto& [kind, a, b] = std::tie(links_[l].kind, links_[l].a, links_[l].b);
+    if (((a == body && bodies_[b].held) || (b == body && bodies_[a].held)) &&
+        (kind == Kind::fixed || (kind == Kind::contact && closed_at(l, s))))
+      return l;
+  }
+  return std::nullopt;
 }
 
 double Junction::displacement_at(std::size_t body, double s, double t) const {
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    if (!holds(l, body, s)) continue;
-    const Link& link = links_[l];
-    const std::size_t ground = link.a == body ? link.b : link.a;
-    const double moved = bodies_[ground].input ? bodies_[ground].input->motion->displacement(t) : 0.0;
-    return grounds_[ground] + moved + (link.a == body ? link.gap : -link.gap);
-  }
-  return begin_.bodies[body].place + window_ * integral_to(bodies_[body].moved, s);
+  const auto held = holder(body, s);
+  if (!held) return begin_.bodies[body].place + window_ * integral_to(bodies_[body].moved, s);
+  const Link& link = links_[*held];
+  const std::size_t ground = link.a == body ? link.b : link.a;
+  const double moved = bodies_[ground].input ? bodies_[ground].input->motion->displacement(t) : 0.0;
+  return grounds_[ground] + moved + (link.a == body ? link.gap : -link.gap);
 }
 
 double Junction::velocity_at(std::size_t body, double s, double t) const {
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    if (!holds(l, body, s)) continue;
-    const Body& ground = bodies_[links_[l].a == body ? links_[l].b : links_[l].a];
-    return ground.input ? ground.input->motion->velocity(t) : 0.0;
-  }
-  return value_at(bodies_[body].moved, s);
+  const auto held = holder(body, s);
+  if (!held) return value_at(bodies_[body].moved, s);
+  const Body& ground = bodies_[links_[*held].a == body ? links_[*held].b : links_[*held].a];
+  return ground.input ? ground.input->motion->velocity(t) : 0.0;
 }
 
 double Junction::force_at(std::size_t link, double s) const {

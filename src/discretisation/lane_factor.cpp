@@ -153,7 +153,7 @@ LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Ru
       pull *= -last.lower;
       if (k == 1) pull += c[1];
     }
-    if (!(pivot > 0.0)) throw std::domain_error("tridiagonal matrix is not positive definite");
+    if (!(pivot > 0.0)) throw NotPositive(matrix);
     if (reach.rows == k && (std::abs(influence) > negligible || std::abs(pull) > negligible * largest))
       ++reach.rows;
     else

@@ -168,7 +168,7 @@ class LaneFactor {
  public:
   LaneFactor() = default;
   /// The factor where rows are alike but for some at either end.
-  /// @throws std::domain_error when the matrix is not positive definite
+  /// @throws NotPositive
   explicit LaneFactor(const BandedMatrix& matrix, double scale = 1.0);
   /// The same of any rows; `kept` nodes stay in the interface.
   LaneFactor(const BandedMatrix& matrix, double scale, const std::vector<std::size_t>& kept);

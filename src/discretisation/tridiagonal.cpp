@@ -1,12 +1,18 @@
 #include "viscobar/discretisation/tridiagonal.hpp"
 
+#include <algorithm>
 #include <cassert>
-#include <stdexcept>
+#include <cmath>
 
 #include "discretisation/dense.hpp"
 #include "discretisation/lane_factor.hpp"
 
 namespace viscobar {
+
+NotPositive::NotPositive(const BandedMatrix& matrix)
+    : std::domain_error("tridiagonal matrix is not positive definite"),
+      finite(std::ranges::none_of(matrix.diagonal, [](double one) { return std::isnan(one); }) &&
+             std::ranges::all_of(matrix.off_diagonal, [](double one) { return std::isfinite(one); })) {}
 
 BandedMatrix& BandedMatrix::operator*=(double factor) {
   for (std::vector<double>* entries : {&diagonal, &off_diagonal, &skew})
@@ -61,9 +67,10 @@ namespace {
 // fewer operations than sweep_forward() and sweep_back(). From there on L(i+1,i) is U(i,i+1) of the way up.
 bool from_both_ends(std::size_t rows) { return rows >= 3 && rows <= 12; }
 
-inline void solve_from_both_ends(const double* lower, const double* inverse_pivot, double* x, std::size_t n) {
+template <class Real>
+inline void solve_from_both_ends(const Real* lower, const Real* inverse_pivot, Real* x, std::size_t n) {
   const std::size_t middle = n / 2;
-  double left = x[0], right = x[n - 1];
+  Real left = x[0], right = x[n - 1];
   std::size_t i = 1, j = n - 2;
   for (; j > middle; ++i, --j) {
     x[i] = left = x[i] - lower[i - 1] * left;
@@ -81,7 +88,8 @@ inline void solve_from_both_ends(const double* lower, const double* inverse_pivo
 
 }  // namespace
 
-void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
+template <class Real>
+void TridiagonalFactorOf<Real>::factorise(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   inverse_pivot_.resize(n);
   lower_.resize(matrix.off_diagonal.size());
@@ -92,33 +100,34 @@ void TridiagonalFactor::factorise(const BandedMatrix& matrix) {
   bool positive = true;
   for (std::size_t i = 0; i < n && lower_.empty(); ++i) {
     positive &= matrix.diagonal[i] > 0.0;
-    inverse_pivot_[i] = 1.0 / matrix.diagonal[i];
+    inverse_pivot_[i] = 1 / Real(matrix.diagonal[i]);
   }
   meet_ = from_both_ends(n) && !lower_.empty() && upper_.empty();
   const std::size_t middle = meet_ ? n / 2 : n - 1;
-  double lost = 0.0;  // of the pivot at which both ends meet
+  Real lost = 0;  // of the pivot at which both ends meet
   for (std::size_t i = n - 1; i > middle; --i) {
-    const double pivot = matrix.diagonal[i] - lost, off = matrix.off_diagonal[i - 1];
+    const Real pivot = matrix.diagonal[i] - lost, off = matrix.off_diagonal[i - 1];
     positive &= pivot > 0.0;
-    inverse_pivot_[i] = 1.0 / pivot;
+    inverse_pivot_[i] = 1 / pivot;
     lower_[i - 1] = off * inverse_pivot_[i];
     lost = lower_[i - 1] * off;
   }
   for (std::size_t i = 0; i <= middle && !lower_.empty(); ++i) {
-    double pivot = i == middle ? matrix.diagonal[i] - lost : matrix.diagonal[i];
+    Real pivot = i == middle ? matrix.diagonal[i] - lost : matrix.diagonal[i];
     if (i > 0) {
-      const double above = matrix.above(i - 1), lower = matrix.below(i - 1) * inverse_pivot_[i - 1];
+      const Real above = matrix.above(i - 1), lower = matrix.below(i - 1) * inverse_pivot_[i - 1];
       lower_[i - 1] = lower;
       if (!upper_.empty()) upper_[i - 1] = above * inverse_pivot_[i - 1];
       pivot -= lower * above;
     }
     positive &= pivot > 0.0;
-    inverse_pivot_[i] = 1.0 / pivot;
+    inverse_pivot_[i] = 1 / pivot;
   }
-  if (!positive) throw std::domain_error("tridiagonal matrix is not positive definite");
+  if (!positive) throw NotPositive(matrix);
 }
 
-void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
+template <class Real>
+void TridiagonalFactorOf<Real>::factorise_patched(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   assert(matrix.off_diagonal.size() + 1 == n);
   patches_.reserve(matrix.one_sided.size());
@@ -126,12 +135,12 @@ void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
   const auto rows_end = matrix.one_sided.end();
   auto tie = matrix.ties.begin();
   bool positive = true, tied = false;
-  double before = 0.0, upper = 0.0;              // U(i-2, i-1), U(i-1, i)
-  double skipping = 0.0, skipping_before = 0.0;  // U(i-1, i+1), U(i-2, i)
-  double handed = 0.0;                           // the pivot of the row before, tied to this one
+  Real before = 0.0, upper = 0.0;              // U(i-2, i-1), U(i-1, i)
+  Real skipping = 0.0, skipping_before = 0.0;  // U(i-1, i+1), U(i-2, i)
+  Real handed = 0.0;                           // the pivot of the row before, tied to this one
   for (std::size_t i = 0; i < n; ++i) {
-    double pivot = matrix.diagonal[i], below = i > 0 ? matrix.below(i - 1) : 0.0;
-    double above = i + 1 < n ? matrix.above(i) : 0.0, beyond = 0.0, lost = 0.0;
+    Real pivot = matrix.diagonal[i], below = i > 0 ? matrix.below(i - 1) : 0.0;
+    Real above = i + 1 < n ? matrix.above(i) : 0.0, beyond = 0.0, lost = 0.0;
     for (; row != rows_end && row->row == i; ++row) {
       patches_.push_back({i, row->leftwards, 0.0, 0.0, 0.0, 0.0, 0.0});
       pivot += row->entries[0];
@@ -151,7 +160,7 @@ void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
     }
     if (lost != 0.0) pivot -= lost;
     positive &= pivot > 0.0;
-    inverse_pivot_[i] = 1.0 / pivot;
+    inverse_pivot_[i] = 1 / pivot;
     if (skipping != 0.0) above -= below * skipping;
     before = upper;
     upper = above * inverse_pivot_[i];
@@ -171,22 +180,22 @@ void TridiagonalFactor::factorise_patched(const BandedMatrix& matrix) {
         patch->upper_next = upper;
     }
   }
-  if (!positive) throw std::domain_error("a pivot of a tridiagonal matrix with one-sided rows is not positive");
+  if (!positive) throw NotPositive(matrix);
 }
 
 namespace {
 
 // x_i <- x_i / D(i,i) - L(i+1,i) x_{i+1}, i = top - 1, ..., bottom. Four terms of the recurrence are condensed, see
 // solve().
-inline void sweep_back(const double* lower, const double* inverse_pivot, double* x, std::size_t top,
-                       std::size_t bottom) {
-  double carried = x[top];
+template <class Real>
+inline void sweep_back(const Real* lower, const Real* inverse_pivot, Real* x, std::size_t top, std::size_t bottom) {
+  Real carried = x[top];
   std::size_t i = top;
   for (; i >= bottom + 4; i -= 4) {
-    const double l0 = lower[i - 1], l1 = lower[i - 2], l2 = lower[i - 3], l3 = lower[i - 4];
-    const double b0 = x[i - 1] * inverse_pivot[i - 1], b1 = x[i - 2] * inverse_pivot[i - 2] - l1 * b0;
-    const double b2 = x[i - 3] * inverse_pivot[i - 3] - l2 * b1, b3 = x[i - 4] * inverse_pivot[i - 4] - l3 * b2;
-    const double l10 = l1 * l0, l210 = l2 * l10;
+    const Real l0 = lower[i - 1], l1 = lower[i - 2], l2 = lower[i - 3], l3 = lower[i - 4];
+    const Real b0 = x[i - 1] * inverse_pivot[i - 1], b1 = x[i - 2] * inverse_pivot[i - 2] - l1 * b0;
+    const Real b2 = x[i - 3] * inverse_pivot[i - 3] - l2 * b1, b3 = x[i - 4] * inverse_pivot[i - 4] - l3 * b2;
+    const Real l10 = l1 * l0, l210 = l2 * l10;
     x[i - 1] = b0 - l0 * carried;
     x[i - 2] = b1 + l10 * carried;
     x[i - 3] = b2 - l210 * carried;
@@ -197,7 +206,8 @@ inline void sweep_back(const double* lower, const double* inverse_pivot, double*
 
 }  // namespace
 
-void TridiagonalFactor::substitute_patched(std::span<double> x) const {
+template <class Real>
+void TridiagonalFactorOf<Real>::substitute_patched(std::span<Real> x) const {
   std::size_t top = size() - 1;  // solved from there on
   x[top] *= inverse_pivot_[top];
   const auto sweep = [&](std::size_t bottom) {
@@ -221,15 +231,16 @@ void TridiagonalFactor::substitute_patched(std::span<double> x) const {
 
 // Takes x_from from what follows, up to x_to. The recurrence is y_i = b_i - l_i y_{i-1}. Four terms of it are condensed
 // without waiting for y_{i-1}, so that one multiplication in four is on the chain of dependencies.
-inline void TridiagonalFactor::sweep_forward(std::span<double> of, std::size_t from, std::size_t to) const {
-  const double* const lower = lower_.data();
-  double* const x = of.data();
-  double carried = x[from];
+template <class Real>
+inline void TridiagonalFactorOf<Real>::sweep_forward(std::span<Real> of, std::size_t from, std::size_t to) const {
+  const Real* const lower = lower_.data();
+  Real* const x = of.data();
+  Real carried = x[from];
   std::size_t i = from + 1;
   for (; i + 3 <= to; i += 4) {
-    const double l0 = lower[i - 1], l1 = lower[i], l2 = lower[i + 1], l3 = lower[i + 2];
-    const double b0 = x[i], b1 = x[i + 1] - l1 * b0, b2 = x[i + 2] - l2 * b1, b3 = x[i + 3] - l3 * b2;
-    const double l10 = l1 * l0, l210 = l2 * l10;
+    const Real l0 = lower[i - 1], l1 = lower[i], l2 = lower[i + 1], l3 = lower[i + 2];
+    const Real b0 = x[i], b1 = x[i + 1] - l1 * b0, b2 = x[i + 2] - l2 * b1, b3 = x[i + 3] - l3 * b2;
+    const Real l10 = l1 * l0, l210 = l2 * l10;
     x[i] = b0 - l0 * carried;
     x[i + 1] = b1 + l10 * carried;
     x[i + 2] = b2 - l210 * carried;
@@ -238,7 +249,8 @@ inline void TridiagonalFactor::sweep_forward(std::span<double> of, std::size_t f
   for (; i <= to; ++i) x[i] = carried = x[i] - lower[i - 1] * carried;
 }
 
-void TridiagonalFactor::solve(std::span<double> x) const {
+template <class Real>
+void TridiagonalFactorOf<Real>::solve(std::span<Real> x) const {
   const std::size_t n = size();
   assert(x.size() == n);
   if (lower_.empty()) {
@@ -258,6 +270,9 @@ void TridiagonalFactor::solve(std::span<double> x) const {
   x[n - 1] *= inverse_pivot_[n - 1];
   sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 1, 0);
 }
+
+template class TridiagonalFactorOf<double>;
+template class TridiagonalFactorOf<long double>;
 
 namespace {
 

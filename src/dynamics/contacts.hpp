@@ -146,11 +146,12 @@ class Contacts {
   double clearance(std::size_t i, std::span<const double> u) const {
     return nodes_[i].sign * nodes_[i].of(u) + offsets_[i];
   }
-  double offset(std::size_t i) const { return offsets_[i]; }  ///< the same at u = 0
+  double offset(std::size_t i) const { return offsets_[i]; }                     ///< the same at u = 0
+  double surface(std::size_t i) const { return -nodes_[i].sign * offsets_[i]; }  ///< u at which the clearance is 0
   /// Puts the node of contact i on its obstacle.
   void place(std::size_t i, std::span<double> u) const {
     const std::size_t node = nodes_[i].unknown;
-    u[node] = nodes_[i].joint > 0 ? u[node - 1] - offsets_[i] : -nodes_[i].sign * offsets_[i];
+    u[node] = nodes_[i].joint > 0 ? u[node - 1] + surface(i) : surface(i);
   }
 
   /// Content of a checkpoint: which are closed, and which have been measured from, as the archived state is.

@@ -47,14 +47,15 @@ double sum_beside(const std::vector<double>& of_elements, std::size_t node) {
 Elements::Elements(const Scene& scene, const Mesh& mesh, const Unknowns& unknowns,
                    std::shared_ptr<const std::vector<Piece>> pieces)
     : mesh_(mesh), bar_(scene.bar), unknowns_(unknowns), chain_(!scene.chain.empty()), pieces_(std::move(pieces)) {
-  if (chain_) {
-    take_chain(scene);
-    return;
-  }
   const auto& section = pieces_->front().section;
-  if (section) places_ = section->places();
-  for (std::size_t j = 0; (section || !mesh.uniform()) && j < mesh.elements; ++j)
+  if (chain_)
+    take_chain(scene);
+  else if (section)
+    places_ = section->places();
+  for (std::size_t j = 0; !chain_ && (section || !mesh.uniform()) && j < mesh.elements; ++j)
     inverse_spacing_.push_back(1.0 / stretch(j));
+  for (const double weight : inverse_spacing_) springs_.push_back(bar_.modulus * weight);
+  for (const double weight : rate_weights()) dashpots_.push_back(bar_.viscosity * weight);
 }
 
 // Springs and dashpots of the elements of a chain, in those of its bar().
@@ -109,45 +110,21 @@ std::size_t Elements::beside(std::size_t unknown) const {
 }
 
 void Elements::force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  if (rows_alike())
-    uniform_force(u, w, out);
-  else
-    inverse_rate_.empty() ? graded_force(u, w, out) : unlike_force(u, w, out);
-}
-
-void Elements::uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  const std::size_t n = unknowns_.size();
   const double stiffness = bar_.modulus / mesh_.spacing(), damping = bar_.viscosity / mesh_.spacing();
-  // Stress on the left of the first and on the right of the last unknown: none at an end that is not fixed.
-  const double left = unknowns_.wall(false) ? stiffness * (u[0] - *unknowns_.wall(false)) + damping * w[0] : 0.0;
-  const double right = unknowns_.wall(true) ? stiffness * (*unknowns_.wall(true) - u[n - 1]) - damping * w[n - 1] : 0.0;
-  if (bar_.damped())
-    forces_between(left, right, out,
-                   [=](std::size_t i) { return stiffness * (u[i + 1] - u[i]) + damping * (w[i + 1] - w[i]); });
+  if (!rows_alike())
+    forces(u, w, out,
+           [springs = springs_.data(), dashpots = dashpots_.data()](std::size_t e, double strain, double rate) {
+             return springs[e] * strain + dashpots[e] * rate;
+           });
+  else if (bar_.damped())
+    forces(u, w, out, [=](std::size_t, double strain, double rate) { return stiffness * strain + damping * rate; });
   else
-    forces_between(left, right, out, [=](std::size_t i) { return stiffness * (u[i + 1] - u[i]); });
+    forces(u, w, out, [=](std::size_t, double strain, double) { return stiffness * strain; });
 }
 
-void Elements::graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  const double modulus = bar_.modulus, viscosity = bar_.viscosity;
-  const auto stress = [=, per_size = inverse_spacing_.data()](std::size_t e, double strain, double rate) {
-    return per_size[e] * (modulus * strain + viscosity * rate);
-  };
-  unlike_forces(u, w, out, stress);
-}
-
-// Where elasticity and viscosity differ from one element to the next.
-void Elements::unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const {
-  const auto stress = [modulus = bar_.modulus, viscosity = bar_.viscosity, elastic = inverse_spacing_.data(),
-                       viscous = inverse_rate_.data()](std::size_t e, double strain, double rate) {
-    return modulus * elastic[e] * strain + viscosity * viscous[e] * rate;
-  };
-  unlike_forces(u, w, out, stress);
-}
-
-// Forces by the stress(e, strain, rate) of each element.
-void Elements::unlike_forces(std::span<const double> u, std::span<const double> w, std::span<double> out,
-                             auto&& stress) const {
+// By the stress(e, strain, rate) of each element, strains and rates times its length.
+void Elements::forces(std::span<const double> u, std::span<const double> w, std::span<double> out,
+                      auto&& stress) const {
   const std::size_t n = unknowns_.size();
   const double left = unknowns_.wall(false) ? stress(0, u[0] - *unknowns_.wall(false), w[0]) : 0.0;
   const double right =
@@ -159,10 +136,9 @@ void Elements::unlike_forces(std::span<const double> u, std::span<const double> 
 
 double Elements::end_force(bool right, std::span<const double> u, std::span<const double> v) const {
   const std::size_t e = right ? mesh_.elements - 1 : 0;
-  const double pull = inverse_rate_.empty()
-                          ? (bar_.modulus * (u[e + 1] - u[e]) + bar_.viscosity * (v[e + 1] - v[e])) / stretch(e)
-                          : bar_.modulus * (u[e + 1] - u[e]) * inverse_spacing_[e] +
-                                bar_.viscosity * (v[e + 1] - v[e]) * inverse_rate_[e];
+  const double strain = u[e + 1] - u[e], rate = v[e + 1] - v[e];
+  const double pull = rows_alike() ? (bar_.modulus * strain + bar_.viscosity * rate) / stretch(e)
+                                   : springs_[e] * strain + dashpots_[e] * rate;
   return right ? pull : -pull;
 }
 
@@ -178,11 +154,18 @@ double Elements::stiffness_diagonal(std::size_t i) const {
 }
 
 void Elements::dynamic_stiffness(const BandedMatrix& inertia, double m, double c, double k, BandedMatrix& out) const {
-  const double scale = c * bar_.viscosity + k * bar_.modulus;
-  if (rows_alike())
-    uniform_stiffness(inertia, m, scale, out);
-  else
-    inverse_rate_.empty() ? graded_stiffness(inertia, m, scale, out) : unlike_stiffness(inertia, m, c, k, out);
+  if (rows_alike()) {
+    const double scale = c * bar_.viscosity + k * bar_.modulus, spring = scale / mesh_.spacing();
+    assemble(
+        inertia, m, [=](std::size_t) { return spring; }, out);
+    for (const std::size_t i : {std::size_t{0}, unknowns_.size() - 1})
+      out.diagonal[i] = m * inertia.diagonal[i] + scale * uniform_diagonal(i);
+  } else {
+    const auto spring = [=, springs = springs_.data(), dashpots = dashpots_.data()](std::size_t e) {
+      return c * dashpots[e] + k * springs[e];
+    };
+    assemble(inertia, m, spring, out);
+  }
   out.ties.clear();
   out.skew = inertia.skew;
   for (double& entry : out.skew) entry *= m;
@@ -191,44 +174,22 @@ void Elements::dynamic_stiffness(const BandedMatrix& inertia, double m, double c
     for (double& entry : one.entries) entry *= m;
 }
 
-void Elements::uniform_stiffness(const BandedMatrix& inertia, double m, double scale, BandedMatrix& out) const {
-  const std::size_t n = unknowns_.size();
-  const double off = -scale / mesh_.spacing();
+// out = m inertia + K of the spring(e) of each element.
+void Elements::assemble(const BandedMatrix& inertia, double m, auto&& spring, BandedMatrix& out) const {
+  const std::size_t n = unknowns_.size(), first = unknowns_.first_node(), last = mesh_.elements;
   out.diagonal.resize(n);
   out.off_diagonal.resize(n - 1);
-  const double inner = 2.0 * scale / mesh_.spacing();
-  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia.diagonal[i] + inner;
-  out.diagonal[0] = m * inertia.diagonal[0] + scale * uniform_diagonal(0);
-  out.diagonal[n - 1] = m * inertia.diagonal[n - 1] + scale * uniform_diagonal(n - 1);
+  for (std::size_t i = 1; i + 1 < n; ++i)
+    out.diagonal[i] = m * inertia.diagonal[i] + (spring(first + i - 1) + spring(first + i));
+  for (const std::size_t i : {std::size_t{0}, n - 1}) {
+    const std::size_t node = first + i;
+    out.diagonal[i] =
+        m * inertia.diagonal[i] + ((node > 0 ? spring(node - 1) : 0.0) + (node < last ? spring(node) : 0.0));
+  }
   if (inertia.is_diagonal())
-    std::ranges::fill(out.off_diagonal, off);
+    for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = -spring(first + i);
   else
-    for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia.off_diagonal[i] + off;
-}
-
-void Elements::graded_stiffness(const BandedMatrix& inertia, double m, double scale, BandedMatrix& out) const {
-  const std::size_t n = unknowns_.size(), first = unknowns_.first_node();
-  out.diagonal.resize(n);
-  out.off_diagonal.resize(n - 1);
-  for (std::size_t i = 0; i < n; ++i) out.diagonal[i] = m * inertia.diagonal[i] + scale * stiffness_diagonal(i);
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double mass = inertia.is_diagonal() ? 0.0 : m * inertia.off_diagonal[i];
-    out.off_diagonal[i] = mass - scale * inverse_spacing_[first + i];
-  }
-}
-
-void Elements::unlike_stiffness(const BandedMatrix& inertia, double m, double c, double k, BandedMatrix& out) const {
-  const std::size_t n = unknowns_.size(), first = unknowns_.first_node();
-  out.diagonal.resize(n);
-  out.off_diagonal.resize(n - 1);
-  const double viscous = c * bar_.viscosity, elastic = k * bar_.modulus;
-  for (std::size_t i = 0; i < n; ++i)
-    out.diagonal[i] = m * inertia.diagonal[i] + elastic * sum_beside(inverse_spacing_, first + i) +
-                      viscous * sum_beside(inverse_rate_, first + i);
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double mass = inertia.is_diagonal() ? 0.0 : m * inertia.off_diagonal[i];
-    out.off_diagonal[i] = mass - (elastic * inverse_spacing_[first + i] + viscous * inverse_rate_[first + i]);
-  }
+    for (std::size_t i = 0; i + 1 < n; ++i) out.off_diagonal[i] = m * inertia.off_diagonal[i] - spring(first + i);
 }
 
 double Elements::squared_strain(std::span<const double> u) const {

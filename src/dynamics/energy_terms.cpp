@@ -58,17 +58,17 @@ EndPower end_power(const PenalisedSystem& system, double t, std::span<const doub
   double of_frame = bar.frame().moving() ? lift_end_power(bar, lift(1), lift(2), bar.unknowns().at_nodes(w),
                                                           bar.unknowns().at_nodes(RowValues{a, bar.size()}))
                                          : 0.0;
-  double own = bar.inertia().end_power(w, a);
+  double of_side = 0.0;
   if (const SideRows* side = bar.side(); side && side->has_row_power()) {
     const auto placed = [of = bar.unknowns().displacement_at_nodes(u), first = bar.unknowns().first_node(),
                          origin = system.contacts().origin().values()](std::size_t j) {
       const bool unknown = j >= first && j - first < origin.size();
       return unknown ? of(j) + origin[j - first] : of(j);
     };
-    own += side->row_power(bar.unknowns().at_nodes(w), placed);
+    of_side = side->row_power(bar.unknowns().at_nodes(w), placed);
     if (bar.frame().moving()) of_frame += side_lift_power(bar, lift(0), lift(1), bar.unknowns().at_nodes(w), placed);
   }
-  return {own + of_frame, of_frame};
+  return {bar.inertia().end_power(w, a), of_side, of_frame};
 }
 
 }  // namespace viscobar

@@ -69,12 +69,13 @@ inline double frame_loss(const BarSystem& bar, double t, std::span<const double>
   const double sum = lift_loss(bar, rate, bar.unknowns().at_nodes(w));
   return bar.side() ? sum + side_lift_loss(bar, rate, bar.unknowns().at_nodes(w)) : sum;
 }
-/// Power of the end rows of the mass (see Inertia::end_power) at the acceleration a, of which it has row_values(),
-/// with that of SideRows, and what of it is the frame's, which what moves the frame does.
+/// Power of the end rows of the mass (see Inertia::end_power) at the acceleration a, of which it has row_values(), of
+/// those of SideRows, and what is the frame's of both, which what moves the frame does.
 /// Where a is that of F(t, u, w), it has E/h times what u is wrong by, which does no work but adds up in a long flight:
 /// the derivative of the same w has not.
 struct EndPower {
-  double all, of_frame;
+  double of_mass, of_side, of_frame;
+  double all() const { return of_mass + of_side + of_frame; }
 };
 EndPower end_power(const PenalisedSystem& system, double t, std::span<const double> u, std::span<const double> w,
                    std::span<const double> a);

@@ -14,16 +14,14 @@ Unknowns::Unknowns(std::size_t nodes, const std::array<std::optional<double>, 2>
 }
 
 void Unknowns::expand_displacement(std::span<const double> u, std::span<double> nodal) const {
-  assert(nodal.size() == size_ + std::size_t{left_fixed()} + std::size_t{right_fixed()});
+  expand_velocity(u, nodal);
   if (walls_[0]) nodal.front() = *walls_[0];
   if (walls_[1]) nodal.back() = *walls_[1];
-  std::ranges::copy(u, nodal.subspan(first_node()).begin());
 }
 
 void Unknowns::expand_velocity(std::span<const double> w, std::span<double> nodal) const {
   assert(nodal.size() == size_ + std::size_t{left_fixed()} + std::size_t{right_fixed()});
-  if (walls_[0]) nodal.front() = 0.0;
-  if (walls_[1]) nodal.back() = 0.0;
+  nodal.front() = nodal.back() = 0.0;
   std::ranges::copy(w, nodal.subspan(first_node()).begin());
 }
 

@@ -23,9 +23,9 @@ std::array<double, 3> energy_rates(PenalisedSystem& system, const Layout& layout
     rates[*layout.dissipated - first] += stop_loss(system.contacts(), u, w);
   if (layout.work) rates[*layout.work - first] = system.load().power(t, w) + loss;
   if (layout.end_inertia) {
-    const auto [all, of_frame] = end_power(system, t, u, w, accelerations());
-    rates[*layout.end_inertia - first] = all;
-    if (layout.work) rates[*layout.work - first] += of_frame;
+    const EndPower power = end_power(system, t, u, w, accelerations());
+    rates[*layout.end_inertia - first] = power.all();
+    if (layout.work) rates[*layout.work - first] += power.of_frame;
   }
   return rates;
 }

@@ -20,25 +20,19 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-// Nothing of the scene depends on time but its load. Joints are those of the chain of a direction.
-Direction still(const BarSystem& bar, const Scene& of) {
+// Nothing of the scene depends on time but its load.
+Direction still(const Direction& of) {
   Direction direction;
-  Scene& data = direction.data;
-  data.bar = bar.bar();
+  Scene& data = direction.data = of.data;
   data.displacement = data.velocity = [](double) { return 0.0; };
-  data.section = of.section, data.section_places = of.section_places;
-  data.chain = of.chain;
+  data.displacement_places = data.velocity_places = {};
+  data.left_input = data.right_input = {};
+  data.load.reset(), data.side.reset();
+  for (Obstacle* obstacle :
+       {std::get_if<Obstacle>(&data.left), std::get_if<Obstacle>(&data.right), data.span ? &*data.span : nullptr})
+    if (obstacle) obstacle->gap = 0.0;
   for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.velocity;
   direction.members.resize(data.chain.size(), Member{.bar = {0.0, 0.0, 0.0, 0.0}});
-  if (bar.unknowns().left_fixed()) data.left = Fixed{};
-  if (bar.unknowns().right_fixed()) data.right = Fixed{};
-  for (const Contact& contact : bar.contacts()) {
-    const Side side = contact.sign > 0.0 ? Side::below : Side::above;
-    if (contact.where == Where::left) data.left = Obstacle{0.0, side};
-    if (contact.where == Where::right) data.right = Obstacle{0.0, side};
-    if (contact.where == Where::span)
-      data.span = Obstacle{0.0, data.span && data.span->side != side ? Side::both : side};
-  }
   return direction;
 }
 
@@ -49,7 +43,7 @@ Sensitivities::Sensitivities(PenalisedSystem& system, const Penalty& penalty, st
       contacts_(system.contacts()),
       directions_(directions),
       restitution_(penalty.restitution),
-      time_direction_(still(system.bar(), directions.front().data)),
+      time_direction_(still(directions.front())),
       time_(system, penalty, time_direction_),
       w_(system.size()),
       acceleration_(system.size()),

@@ -15,6 +15,7 @@
 #include "run/archive.hpp"
 #include "run/step_failure.hpp"
 #include "scene/times.hpp"
+#include "viscobar/discretisation/tridiagonal.hpp"
 #include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/run/run.hpp"
 
@@ -62,8 +63,10 @@ PartEnd part_or_failure(const char* method, auto&& reached, Part&& part) {
     throw failure(error.why, error);
   } catch (const LoadError& error) {
     throw failure(Failure::load, error);
+  } catch (const NotPositive& error) {  // of the inertia alone: a step that loses it beside another matrix says so
+    throw failure(error.finite ? Failure::defect : Failure::overflow, error);
   } catch (const std::domain_error& error) {
-    throw failure(Failure::inertia, error);
+    throw failure(Failure::defect, error);
   }
 }
 

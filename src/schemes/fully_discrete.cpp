@@ -77,8 +77,9 @@ class Run {
       statistics_.completed = advance_to_end();
     } catch (const LoadError& error) {
       fail(Failure::load, error.time, error.what());
-    } catch (const std::domain_error&) {
+    } catch (const NotPositive& error) {
       const double dt = scheme_.step;
+      if (!error.finite) fail(Failure::overflow, times_.front(), "the matrix of a step is no longer finite");
       fail(Failure::inertia, times_.front(), lost_inertia(system_, 1.0, dt, dt * dt / 2));
     }
     close_account();

@@ -33,7 +33,7 @@ class TimeStep {
   /// its u^0 from the same balance at t_0. lambda^0 is lambda^1 where u^0 touches, 0 elsewhere.
   /// Where the load breaks within half a step of t_n, f^n is its mean over that time, up to `end`; without that, and in
   /// a frame that moves, its value.
-  /// @throws LoadError, std::domain_error when the matrix is not positive definite in floating-point numbers
+  /// @throws LoadError, NotPositive
   TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
            std::optional<double> end = std::nullopt);
 

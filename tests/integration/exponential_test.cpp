@@ -234,6 +234,23 @@ TEST(Exponential, EnergyIsKeptOverManyBouncesWithoutViscosity) {
   }
 }
 
+TEST(Exponential, TheEnergyOfAContactHasTheDigitsOfItsPenetrationAsTheReactionHas) {
+  const double epsilon = 1e-8;
+  const BarSystem system(chatter_scene(0.01), Mesh{1.0, 27}, Mass::redistributed);
+  Observers observers;
+  observers.energy = true;
+  std::size_t pressed = 0;
+  observers.snapshot = [&](const Snapshot& now) {
+    const double stored = epsilon / 2 * (std::pow(now.reaction_left, 2) + std::pow(now.reaction_right, 2));
+    pressed += stored > 0.0;
+    EXPECT_NEAR(now.energy->contact, stored, 1e-13 * stored) << now.time;
+  };
+  std::vector<double> times;
+  for (int k = 0; k <= 600; ++k) times.push_back(0.01 * k);
+  integrate(system, system.initial_state(), times, Exponential{{epsilon}}, observers);
+  EXPECT_GT(pressed, 10u);
+}
+
 TEST(Exponential, EnergyBalancesWithViscosityDashpotsAndLoads) {
   const Load loads[] = {SteadyLoad{[](double x) { return -1 - x; }},
                         SeparableLoad{[](double x) { return std::cos(2 * x); }, [](double t) { return std::sin(t); }},

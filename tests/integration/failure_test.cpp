@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "run/parts.hpp"
 #include "support/paper_throw.hpp"
 #include "viscobar/case/case.hpp"
 
@@ -156,6 +157,22 @@ TEST(FailureOfTheReference, AtAPoleIsNoHang) {
   const Failed failed = fail(run, run.output_times());
   EXPECT_FALSE(failed.statistics.completed);
   EXPECT_TRUE(has(failed, "at that pace") || has(failed, "load")) << failed.what;
+}
+
+// A step that loses its inertia says so itself (return_flags_test.cpp): these are matrices of the inertia alone.
+TEST(PartOrFailure, NamesWhatAMatrixThatIsNotPositiveComesFrom) {
+  const auto named = [](const auto& cause) {
+    try {
+      part_or_failure(
+          "one", [] { return Statistics{}; }, [&]() -> PartEnd { throw cause; });
+    } catch (const IntegrationError& error) {
+      return error.failure;
+    }
+    return viscobar::Failure::memory;
+  };
+  EXPECT_EQ(named(NotPositive(BandedMatrix{{-1.0}, {}})), viscobar::Failure::defect);
+  EXPECT_EQ(named(NotPositive(BandedMatrix{{std::nan("")}, {}})), viscobar::Failure::overflow);
+  EXPECT_EQ(named(std::domain_error("of a library")), viscobar::Failure::defect);
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(SampledRange, EnclosesOscillationsAndTransientsHoweverBadlyTheyAreResolved)
           return -0.5 * std::exp(-rate * s) *
                  (rate * std::cos(frequency * s + phase) + frequency * std::sin(frequency * s + phase));
         };
-        const SampledRange range({f(0), f(0.25), f(0.5), f(0.75), f(1)}, {slope(0), slope(0.5), slope(1)});
+        const SampledRange range({{f(0), f(0.25), f(0.5), f(0.75), f(1)}, {slope(0), slope(0.5), slope(1)}});
         double lowest = f(0), highest = f(0);
         bool up = true, down = true;
         for (int i = 1; i <= 1000; ++i) {
@@ -71,7 +71,8 @@ TEST(SampledRange, EnclosesOscillationsAndTransientsHoweverBadlyTheyAreResolved)
 
 TEST(SampledRange, IsTightForWhatIsResolved) {
   const auto f = [](double s) { return 1.0 + std::sin(0.5 * s); };
-  const SampledRange range({f(0), f(0.25), f(0.5), f(0.75), f(1)}, {0.25, 0.25 * std::cos(0.25), 0.25 * std::cos(0.5)});
+  const SampledRange range(
+      {{f(0), f(0.25), f(0.5), f(0.75), f(1)}, {0.25, 0.25 * std::cos(0.25), 0.25 * std::cos(0.5)}});
   EXPECT_TRUE(range.monotone());
   EXPECT_NEAR(range.lowest(), f(0), 1e-12);
   EXPECT_NEAR(range.highest(), f(1), 1e-12);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 namespace viscobar {
@@ -120,23 +121,30 @@ void row_values(std::size_t n, auto&& at, std::span<double> values) {
   }
 }
 
+/// A pivot of a matrix is not positive: it is not positive definite, or not all numbers.
+struct NotPositive : std::domain_error {
+  explicit NotPositive(const BandedMatrix& matrix);
+  bool finite;  ///< all entries are numbers, an infinite one of the diagonal among them
+};
+
 /// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. One-sided rows make
 /// it A = L D U, without pivoting or fill. A row r to the left gives L the entry (r, r - 2), one to the right gives U
 /// the entry (r, r + 2); at the rows beside them L is not the transpose of U. With a skew part it nowhere is. Of two
 /// rows that are tied the first has an infinite pivot. It hands the second what is left of it: L(r + 1, r) = U(r, r +
 /// 1) = -1.
-class TridiagonalFactor {
+template <class Real>
+class TridiagonalFactorOf {
  public:
-  TridiagonalFactor() = default;
+  TridiagonalFactorOf() = default;
   /// The factor of a matrix, see factorise().
-  explicit TridiagonalFactor(const BandedMatrix& matrix) { factorise(matrix); }
+  explicit TridiagonalFactorOf(const BandedMatrix& matrix) { factorise(matrix); }
 
   /// Rebuilds the factor in place; allocates only when the size grows.
-  /// @throws std::domain_error when a pivot is not positive: a symmetric matrix is not positive definite then.
+  /// @throws NotPositive
   void factorise(const BandedMatrix& matrix);
 
   /// x <- A^{-1} x
-  void solve(std::span<double> x) const;
+  void solve(std::span<Real> x) const;
 
   std::size_t size() const { return inverse_pivot_.size(); }  ///< n
 
@@ -145,21 +153,24 @@ class TridiagonalFactor {
   struct Patch {
     std::size_t row;
     bool leftwards;
-    double upper_before, lower_beyond;            // to the left: U(r-1, r), L(r, r-2)
-    double upper_here, upper_beyond, upper_next;  // to the right: U(r, r+1), U(r, r+2), U(r+1, r+2)
+    Real upper_before, lower_beyond;            // to the left: U(r-1, r), L(r, r-2)
+    Real upper_here, upper_beyond, upper_next;  // to the right: U(r, r+1), U(r, r+2), U(r+1, r+2)
   };
 
   void factorise_patched(const BandedMatrix& matrix);
-  void substitute_patched(std::span<double> x) const;
-  void sweep_forward(std::span<double> x, std::size_t from, std::size_t to) const;
-  const double* upper() const { return upper_.empty() ? lower_.data() : upper_.data(); }
+  void substitute_patched(std::span<Real> x) const;
+  void sweep_forward(std::span<Real> x, std::size_t from, std::size_t to) const;
+  const Real* upper() const { return upper_.empty() ? lower_.data() : upper_.data(); }
 
-  std::vector<double> lower_;          // L(i+1,i); empty for a diagonal matrix
-  std::vector<double> upper_;          // U(i,i+1), where it is another one
-  std::vector<double> inverse_pivot_;  // 1 / D(i,i)
-  std::vector<Patch> patches_;         // in the order of the one-sided rows
-  bool meet_ = false;                  // true if rows are eliminated from both ends
+  std::vector<Real> lower_;          // L(i+1,i); empty for a diagonal matrix
+  std::vector<Real> upper_;          // U(i,i+1), where it is another one
+  std::vector<Real> inverse_pivot_;  // 1 / D(i,i)
+  std::vector<Patch> patches_;       // in the order of the one-sided rows
+  bool meet_ = false;                // true if rows are eliminated from both ends
 };
+extern template class TridiagonalFactorOf<double>;
+extern template class TridiagonalFactorOf<long double>;
+using TridiagonalFactor = TridiagonalFactorOf<double>;
 
 /// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add
 /// to that by Woodbury's formula, in O(n m^2).

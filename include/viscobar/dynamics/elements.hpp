@@ -103,16 +103,11 @@ class Elements {
 
  private:
   void take_chain(const Scene& scene);
-  void uniform_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void graded_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void unlike_force(std::span<const double> u, std::span<const double> w, std::span<double> out) const;
-  void unlike_forces(std::span<const double> u, std::span<const double> w, std::span<double> out, auto&& stress) const;
+  void forces(std::span<const double> u, std::span<const double> w, std::span<double> out, auto&& stress) const;
   double squared_differences_of(std::span<const double> x, std::array<const double*, 2> walls,
                                 std::span<const double> weights) const;
   double uniform_diagonal(std::size_t i) const;
-  void uniform_stiffness(const BandedMatrix& inertia, double m, double scale, BandedMatrix& out) const;
-  void graded_stiffness(const BandedMatrix& inertia, double m, double scale, BandedMatrix& out) const;
-  void unlike_stiffness(const BandedMatrix& inertia, double m, double c, double k, BandedMatrix& out) const;
+  void assemble(const BandedMatrix& inertia, double m, auto&& spring, BandedMatrix& out) const;
 
   Mesh mesh_;
   Bar bar_;
@@ -121,9 +116,10 @@ class Elements {
   double finest_ = 0.0;  // of a chain
   std::shared_ptr<const std::vector<Piece>> pieces_;
   std::vector<JointNodes> joints_;
-  std::vector<double> places_;           // int_0^x dx / A of every node; empty without it
-  std::vector<double> inverse_spacing_;  // 1 / stretch() of every element; empty if all are alike
-  std::vector<double> inverse_rate_;     // 1 / rate_stretch(), where that is another one
+  std::vector<double> places_;              // int_0^x dx / A of every node; empty without it
+  std::vector<double> inverse_spacing_;     // 1 / stretch() of every element; empty if all are alike
+  std::vector<double> inverse_rate_;        // 1 / rate_stretch(), where that is another one
+  std::vector<double> springs_, dashpots_;  // E and eta times these; empty likewise
 };
 
 }  // namespace viscobar

@@ -24,7 +24,8 @@ bool may_err(std::size_t i) { return i % 6 == 2 || i % 6 == 3; }
 
 }  // namespace
 
-SampledRange::SampledRange(const std::array<double, 5>& f, const std::array<double, 3>& g) {
+SampledRange::SampledRange(const Samples& samples) {
+  const auto& [f, g] = samples;
   const double first = (36 * f[2] + 22.5 * f[0] + 5.5 * f[4] - 18 * g[1] + 4.5 * g[0] - 1.5 * g[2]) / 64;
   const double third = (36 * f[2] + 5.5 * f[0] + 22.5 * f[4] + 18 * g[1] + 1.5 * g[0] - 4.5 * g[2]) / 64;
   margin_ = 1.6 * 4 * std::max(std::abs(f[1] - first), std::abs(f[3] - third));
@@ -114,14 +115,14 @@ VectorXd ContactDistance::along(std::size_t c, const Series& series, const LoadP
     result = series.row(node(c)).transpose();
     if (penalised_.contacts()[c].joint > 0) result -= series.row(node(c) - 1).transpose();
   }
-  result[0] -= propagators_.surface(c);
+  result[0] -= penalised_.contacts().surface(c);
   const bool inwards = penalised_.contacts().closed(c) == (penalised_.contacts()[c].sign > 0.0);
   return inwards ? VectorXd(-result) : result;
 }
 
 double ContactDistance::band(std::size_t c, const Largest& largest) const {
   if (penalised_.contacts().closed(c) && !follows(c))
-    return 32.0 * rounding * (largest.penetration + std::abs(propagators_.surface(c)));
+    return 32.0 * rounding * (largest.penetration + std::abs(penalised_.contacts().surface(c)));
   return penalised_.contacts()[c].clearance_rounding(largest.displacement);
 }
 
@@ -150,23 +151,30 @@ std::optional<ContactDistance::Push> ContactDistance::push(std::size_t c, const 
   return push;
 }
 
-ContactDistance::Samples ContactDistance::samples(std::size_t c, const std::vector<Series>& motion,
-                                                  const std::vector<LoadPolynomial>& p) const {
-  const std::size_t quarter = motion.size() / 4;
-  Samples all{};
+namespace {
+
+// At the quarters of a step, of what has the Taylor coefficients along(k) about part k of the motion.
+SampledRange::Samples sampled(std::size_t parts, auto&& along) {
+  SampledRange::Samples all{};
   for (std::size_t k = 0; k < all.values.size(); ++k) {
-    const VectorXd sample = along(c, motion[k * quarter], p[k * quarter]);
+    const VectorXd sample = along(k * (parts / 4));
     all.values[k] = sample[0];
     if (k % 2 == 0) all.slopes[k / 2] = sample[1] / 2;
   }
   return all;
 }
 
+}  // namespace
+
+SampledRange::Samples ContactDistance::samples(std::size_t c, const std::vector<Series>& motion,
+                                               const std::vector<LoadPolynomial>& p) const {
+  return sampled(motion.size(), [&](std::size_t k) { return along(c, motion[k], p[k]); });
+}
+
 bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                  double t, double tau, double whole, const Largest& largest) const {
-  const auto [values, slopes] = samples(c, motion, p);
   const Contact& contact = penalised_.contacts()[c];
-  const double nearest = SampledRange(values, slopes).lowest() - contact.gap;
+  const double nearest = SampledRange(samples(c, motion, p)).lowest() - contact.gap;
   return !may_reach_within(
       whole, [&](double at) { return nearest + system_.frame().gap(contact, at); }, breaks_of_gap(system_, contact),
       band(c, largest), t, t + tau);
@@ -175,30 +183,29 @@ bool ContactDistance::stays_away(std::size_t c, const std::vector<Series>& motio
 // d + (c/k) d' stays positive during the step.
 bool ContactDistance::keeps_push(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p,
                                  double tau, const Largest& largest) const {
-  const std::size_t quarter = motion.size() / 4;
-  Samples all{};
   double band = 0.0;
-  for (std::size_t k = 0; k < all.values.size(); ++k) {
-    const auto sample = push(c, along(c, motion[k * quarter], p[k * quarter]), tau, largest);
-    if (!sample) return false;
-    all.values[k] = sample->along[0];
-    if (k % 2 == 0) all.slopes[k / 2] = sample->along[1] / 2;
-    band = std::max(band, sample->band);
-  }
-  return SampledRange(all.values, all.slopes).lowest() >= -band;
+  bool pushes = true;
+  const auto all = sampled(motion.size(), [&](std::size_t k) {
+    VectorXd d = along(c, motion[k], p[k]);
+    const auto sample = push(c, d, tau, largest);
+    pushes &= sample.has_value();
+    band = std::max(band, sample ? sample->band : 0.0);
+    return sample ? sample->along : d;
+  });
+  return pushes && SampledRange(all).lowest() >= -band;
 }
 
 bool ContactDistance::keeps_state(std::size_t c, const std::vector<Series>& motion,
                                   const std::vector<LoadPolynomial>& p, double tau, const Largest& largest,
                                   double& penetration) const {
-  const auto [values, slopes] = samples(c, motion, p);
-  const SampledRange range(values, slopes);
+  const SampledRange::Samples samples = this->samples(c, motion, p);
+  const SampledRange range(samples);
   const bool lets_go = !lags_.empty() && lags_[c] > 0.0, closed = penalised_.contacts().closed(c);
   if (lets_go && closed && !keeps_push(c, motion, p, tau, largest)) return false;
   if (range.lowest() < -band(c, largest)) return lets_go && !closed && keeps_push(c, motion, p, tau, largest);
   if (!closed) return true;
   const double share = penetration_share(c);
-  penetration = std::max(penetration, share * std::ranges::max(values));
+  penetration = std::max(penetration, share * std::ranges::max(samples.values));
   return range.monotone() || share * range.highest() <= penetration * (1.0 + 1e-13) + rounding * largest.displacement +
                                                             std::min(slope_noise(c, tau, largest), 1e-6 * penetration);
 }

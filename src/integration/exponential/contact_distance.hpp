@@ -13,7 +13,11 @@ namespace viscobar::exponential {
 /// either half. How far these two are off says how well the function is resolved; four times that is the margin.
 class SampledRange {
  public:
-  SampledRange(const std::array<double, 5>& values, const std::array<double, 3>& slopes);
+  struct Samples {
+    std::array<double, 5> values;
+    std::array<double, 3> slopes;
+  };
+  explicit SampledRange(const Samples& samples);
   double lowest() const;
   double highest() const;
   bool monotone() const;
@@ -53,9 +57,8 @@ class ContactDistance {
   };
 
   /// All arguments outlive this.
-  ContactDistance(const BarSystem& system, const PenalisedSystem& penalised, const PropagatorCache& propagators,
-                  const LoadInterpolation& load)
-      : system_(system), penalised_(penalised), propagators_(propagators), load_(load) {
+  ContactDistance(const BarSystem& system, const PenalisedSystem& penalised, const LoadInterpolation& load)
+      : system_(system), penalised_(penalised), load_(load) {
     for (std::size_t c = 0; c < penalised.contacts().size(); ++c)
       if (const Stop* stop = penalised.contacts()[c].law.stop(); stop && stop->damping > 0.0) {
         lags_.resize(penalised.contacts().size());
@@ -106,18 +109,14 @@ class ContactDistance {
 
  private:
   bool massless(std::size_t c) const { return system_.inertia().massless(penalised_.contacts()[c].unknown); }
-  struct Samples {
-    std::array<double, 5> values;
-    std::array<double, 3> slopes;
-  };
-  Samples samples(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p) const;
+  SampledRange::Samples samples(std::size_t c, const std::vector<Series>& motion,
+                                const std::vector<LoadPolynomial>& p) const;
   bool keeps_push(std::size_t c, const std::vector<Series>& motion, const std::vector<LoadPolynomial>& p, double tau,
                   const Largest& largest) const;
   double slope_noise(std::size_t c, double tau, const Largest& largest) const;
 
   const BarSystem& system_;
   const PenalisedSystem& penalised_;
-  const PropagatorCache& propagators_;
   const LoadInterpolation& load_;
   std::vector<double> lags_;  // c/k of each contact, 0 of one that does not let go; empty where none does
 };

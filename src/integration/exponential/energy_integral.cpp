@@ -4,33 +4,44 @@
 #include <cmath>
 
 #include "discretisation/gauss.hpp"
+#include "dynamics/energy_terms.hpp"
 
 namespace viscobar::exponential {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Leg = LinearLeg<double>;
 
-EnergyFlow gauss_flow(const Leg& leg, const Leg::Series& series, const MatrixXd& load, double tau, double sigma,
-                      const FrameFlow& of_frame) {
-  EnergyFlow flow;
-  const VectorXd at_begin = Leg::velocity(series, 0.0, tau);
-  if (leg.has_end_rows()) flow.end_inertia = leg.end_power(at_begin, Leg::velocity(series, sigma, tau) - at_begin);
+EnergyFlow StepPower::operator()(double sigma, const Series& motion, double at) const {
+  const BarSystem& bar = system_.bar();
+  const double t = t_ + sigma * tau_;
+  const VectorXd v = velocity(motion, at);
+  const double loss = frame_loss(bar, t, entries(v));
+  EnergyFlow power{.dissipated = dissipated_power(system_.contacts(), entries(v)) + loss, .work = loss};
+  if (load_.cols() > 0) power.work += v.dot(Leg::displacement(load_, sigma));
+  if (!bar.has_end_rows()) return power;
+  const VectorXd u = Leg::displacement(motion, at), a = Leg::acceleration(motion, at, tau_), gained = v - begin_;
+  const EndPower beside = end_power(system_, t, entries(u), entries(v), entries(a));
+  power.work += beside.of_frame;
+  power.end_inertia = bar.inertia().end_power(entries(gained), entries(a)) + beside.of_side + beside.of_frame;
+  return power;
+}
+
+double StepPower::of_begin(const Series& motion, double at) const {
+  if (!system_.bar().has_end_rows()) return 0.0;
+  const VectorXd gained = velocity(motion, at) - begin_;
+  return system_.bar().inertia().end_power(entries(begin_), entries(gained));
+}
+
+EnergyFlow gauss_flow(const StepPower& power, const StepPower::Series& motion, double sigma) {
+  EnergyFlow flow{.end_inertia = power.of_begin(motion, sigma)};
   for (const auto [node, weight] : gauss(8)) {
-    const double at = sigma * (1.0 + node) / 2, share = tau * sigma * weight / 2;
-    const VectorXd v = Leg::velocity(series, at, tau);
-    const VectorXd a = leg.has_end_rows() || of_frame ? Leg::acceleration(series, at, tau) : VectorXd();
-    if (of_frame) flow.add(share, of_frame(at, Leg::displacement(series, at), v, a));
-    flow.dissipated += share * leg.dissipation(v);
-    if (load.cols() > 0) flow.work += share * v.dot(Leg::displacement(load, at));
-    if (leg.has_end_rows()) flow.end_inertia += share * leg.end_power(v - at_begin, a);
+    const double at = sigma * (1.0 + node) / 2;
+    flow.add(power.length() * sigma * weight / 2, power(at, motion, at));
   }
   return flow;
 }
 
-SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> displacements, std::span<const VectorXd> velocities,
-                         std::span<const VectorXd> loads, std::span<const VectorXd> accelerations, double tau,
-                         const FrameFlow& of_frame) {
+SampledFlow sampled_flow(const StepPower& power, std::span<const StepPower::Series> motion) {
   constexpr std::array<double, 5> fine = {989.0 / 28350, 5888.0 / 28350, -928.0 / 28350, 10496.0 / 28350,
                                           -4540.0 / 28350};
   constexpr std::array<double, 5> coarse = {217.0 / 5670, 1024.0 / 5670, 352.0 / 5670, 1024.0 / 5670, 436.0 / 5670};
@@ -38,16 +49,8 @@ SampledFlow sampled_flow(const Leg& leg, std::span<const VectorXd> displacements
   EnergyFlow &flow = sampled.flow, other;
   for (std::size_t k = 0; k <= 8; ++k) {
     const std::size_t weight = std::min(k, 8 - k);
-    const VectorXd& a = accelerations.empty() ? velocities[k] : accelerations[k];  // not looked at without end rows
-    EnergyFlow& power = sampled.powers[k];
-    if (of_frame) power.add(tau, of_frame(static_cast<double>(k) / 8.0, displacements[k], velocities[k], a));
-    power.dissipated += tau * leg.dissipation(velocities[k]);
-    if (!loads.empty()) power.work += tau * velocities[k].dot(loads[k]);
-    if (leg.has_end_rows()) {
-      const VectorXd gained = velocities[k] - velocities[0];
-      power.end_inertia += tau * leg.end_power(gained, a);
-      sampled.at_ends[k] = leg.end_power(velocities[0], gained);
-    }
+    sampled.powers[k].add(power.length(), power(static_cast<double>(k) / 8.0, motion[k], 0.0));
+    sampled.at_ends[k] = power.of_begin(motion[k], 0.0);
     flow.add(fine[weight], sampled.powers[k]);
     other.add(coarse[weight], sampled.powers[k]);
   }

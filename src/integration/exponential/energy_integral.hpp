@@ -1,10 +1,9 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <span>
 
-#include "dynamics/frame_energy.hpp"
+#include "dynamics/penalised_system.hpp"
 #include "integration/exponential/linear_leg.hpp"
 
 namespace viscobar::exponential {
@@ -22,19 +21,37 @@ struct EnergyFlow {
   }
 };
 
-/// Contributions to power and loss at a part of a step, of a frame that moves (see lift_loss) and of the
-/// rows of a side that resists; empty where there is neither.
-using FrameFlow = std::function<EnergyFlow(double sigma, const Eigen::VectorXd& u, const Eigen::VectorXd& v,
-                                           const Eigen::VectorXd& a)>;
+/// The power of these on a step, of motions that are Taylor series about points of it.
+class StepPower {
+ public:
+  using Series = LinearLeg<double>::Series;
+
+  /// On the step from t on, of length tau, by the motion and the load about its beginning: `load` are the nodal
+  /// coefficients on the step, the constant part included; no columns without a load.
+  StepPower(const PenalisedSystem& system, double t, double tau, const Series& motion, Eigen::MatrixXd load)
+      : system_(system), t_(t), tau_(tau), begin_(velocity(motion, 0.0)), load_(std::move(load)) {}
+
+  /// At the part sigma of the step, which is `at` from where the series is about, but for the power of v_0.
+  EnergyFlow operator()(double sigma, const Series& motion, double at) const;
+  /// v_0.N (v - v_0)
+  double of_begin(const Series& motion, double at) const;
+  double length() const { return tau_; }  ///< tau
+  Eigen::VectorXd velocity(const Series& motion, double at) const {
+    return LinearLeg<double>::velocity(motion, at, tau_);
+  }
+
+ private:
+  const PenalisedSystem& system_;
+  double t_, tau_;
+  Eigen::VectorXd begin_;  // v_0
+  Eigen::MatrixXd load_;
+};
 
 /// The flow over the part [0, sigma] of a step that one Taylor series covers, by Gauss' rule with eight points.
-/// `load` are the nodal coefficients of the load on the step, the constant part included; no columns without a load.
-EnergyFlow gauss_flow(const LinearLeg<double>& leg, const LinearLeg<double>::Series& series,
-                      const Eigen::MatrixXd& load, double tau, double sigma, const FrameFlow& of_frame);
+EnergyFlow gauss_flow(const StepPower& power, const StepPower::Series& motion, double sigma);
 
-/// The flow over a whole step from displacements, velocities, loads and accelerations (n entries each; no displacements
-/// without of_frame, no loads without a load, no accelerations for a mass without end rows) at its eighths, by the rule
-/// of Newton and Cotes, of degree 9. `error` is how far Romberg's rule on these points, of degree 7, is off.
+/// The flow over a whole step from the motion about its eighths, by the rule of Newton and Cotes, of degree 9. `error`
+/// is how far Romberg's rule on these points, of degree 7, is off.
 struct SampledFlow {
   EnergyFlow flow;
   double error = 0.0;
@@ -44,8 +61,6 @@ struct SampledFlow {
   /// The flow over the part [0, sigma] of the step: the integral of the polynomial through the powers.
   EnergyFlow until(double sigma) const;
 };
-SampledFlow sampled_flow(const LinearLeg<double>& leg, std::span<const Eigen::VectorXd> displacements,
-                         std::span<const Eigen::VectorXd> velocities, std::span<const Eigen::VectorXd> loads,
-                         std::span<const Eigen::VectorXd> accelerations, double tau, const FrameFlow& of_frame);
+SampledFlow sampled_flow(const StepPower& power, std::span<const StepPower::Series> motion);
 
 }  // namespace viscobar::exponential

@@ -1,5 +1,7 @@
 #include "integration/exponential/linear_leg.hpp"
 
+#include "dynamics/assembly/assembled.hpp"
+
 namespace viscobar::exponential {
 
 template <class Real>
@@ -11,7 +13,6 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
       left_fixed_(system.unknowns().left_fixed()),
       right_fixed_(system.unknowns().right_fixed()),
       damped_(system.bar().damped()),
-      uniform_(system.elements().rows_alike()),
       origin_(origin),
       steady_load_(steady_load.begin(), steady_load.end()),
       closed_(std::move(closed)),
@@ -33,67 +34,8 @@ LinearLeg<Real>::LinearLeg(const BarSystem& system, const Eigen::VectorXd& origi
   left_displacement_ = nodal.front() - origin[0];
   right_displacement_ = nodal.back() - origin[n_ - 1];
 
-  factorise(system.inertia().matrix());
-}
-
-// As TridiagonalFactor does.
-template <class Real>
-void LinearLeg<Real>::factorise(const BandedMatrix& inertia) {
-  inertia_ = &inertia;
-  const Index n = massive_end_ - massive_begin_;
-  auto row = inertia.one_sided.begin();
-  Real skipping = 0, skipping_before = 0;  // U(i-1, i+1), U(i-2, i)
-  for (Index i = 0; i < n; ++i) {
-    Real pivot = Real(inertia.diagonal[massive_begin_ + i]), below = 0, right = 0, beyond = 0, lost = 0;
-    const bool last = i + 1 == n;
-    if (!inertia.is_diagonal() && i > 0) below = inertia.below(massive_begin_ + i - 1);  // D(i-1,i-1) L(i,i-1)
-    if (!inertia.is_diagonal() && !last) right = inertia.above(massive_begin_ + i);      // D(i,i) U(i,i+1)
-    for (; row != inertia.one_sided.end() && static_cast<Index>(row->row) == i; ++row) {
-      pivot += row->entries[0];
-      if (row->leftwards) {
-        beyond_.push_back(row->entries[2] * inverse_pivot_[i - 2]);
-        below = below + row->entries[1] - row->entries[2] * upper_[i - 2];
-        lost = row->entries[2] * skipping_before;
-      } else {
-        right += row->entries[1], beyond = row->entries[2];
-        beyond_.push_back(0);
-      }
-    }
-    if (i > 0 && !inertia.is_diagonal()) {
-      lower_.push_back(below * inverse_pivot_[i - 1]);
-      pivot -= below * upper_[i - 1];
-      pivot -= lost;
-    }
-    inverse_pivot_.push_back(1 / pivot);
-    if (last || inertia.is_diagonal()) continue;
-    right -= below * skipping;
-    upper_.push_back(right * inverse_pivot_[i]);
-    skipping_before = skipping;
-    skipping = beyond * inverse_pivot_[i];
-    if (beyond != 0) beyond_.back() = skipping;
-  }
-}
-
-template <class Real>
-void LinearLeg<Real>::solve_inertia(Vector& force) const {
-  const Index n = force.size();
-  if (lower_.empty()) {
-    for (Index i = 0; i < n; ++i) force[i] *= inverse_pivot_[i];
-    return;
-  }
-  const std::vector<OneSidedRow>& rows = inertia_->one_sided;
-  std::size_t next = 0;
-  for (Index i = 0; i < n; ++i) {
-    if (i > 0) force[i] -= lower_[i - 1] * force[i - 1];
-    for (; next < rows.size() && static_cast<Index>(rows[next].row) == i; ++next)
-      if (rows[next].leftwards) force[i] -= beyond_[next] * force[i - 2];
-  }
-  force[n - 1] *= inverse_pivot_[n - 1];
-  for (Index i = n; i-- > 0;) {
-    if (i + 1 < n) force[i] = force[i] * inverse_pivot_[i] - upper_[i] * force[i + 1];
-    for (; next > 0 && static_cast<Index>(rows[next - 1].row) == i; --next)
-      if (!rows[next - 1].leftwards) force[i] -= beyond_[next - 1] * force[i + 2];
-  }
+  factor_.factorise(restrict_to(system.inertia().matrix(), system.inertia().massive_begin(),
+                                system.inertia().massive_end() - system.inertia().massive_begin()));
 }
 
 template <class Real>
@@ -167,12 +109,15 @@ typename LinearLeg<Real>::Series LinearLeg<Real>::expand(const Vector& y, Real o
         if (i >= n_) return constant * right_displacement_ + constant * Real(origin_[n_ - 1]);
         return u[i] + constant * Real(origin_[i]);
       };
-      const auto velocity = at_nodes(v, 0, 0);
+      const auto velocity = [&](std::size_t j) {
+        const Index i = static_cast<Index>(j) - first_node_;
+        return i < 0 || i >= n_ ? Real(0) : Real(v[i]);
+      };
       side_->subtract(
           [&](std::size_t j) { return displacement(j) * side_->stiffness(j) + rate * velocity(j) * side_->drag(j); },
           static_cast<std::size_t>(first_node_ + massive_begin_), static_cast<std::size_t>(massive), force);
     }
-    solve_inertia(force);
+    factor_.solve({force.data(), static_cast<std::size_t>(massive)});
     c.col(k + 2).segment(massive_begin_, massive) = force * (tau * tau / Real((k + 1) * (k + 2)));
   }
   return c;
@@ -202,42 +147,10 @@ typename LinearLeg<Real>::Vector LinearLeg<Real>::acceleration(const Series& ser
 }
 
 template <class Real>
-Real LinearLeg<Real>::end_power(const Vector& v, const Vector& a) const {
-  const auto entry = [](const Vector& x) { return [&x](std::size_t i) { return x[static_cast<Index>(i)]; }; };
-  return inertia_->unsymmetric_product(entry(v), entry(a));
-}
-
-template <class Real>
 typename LinearLeg<Real>::Vector LinearLeg<Real>::pack(const Vector& u, const Vector& v) const {
   Vector y(size());
   y << u.segment(moving_begin_, moving_), v.segment(massive_begin_, massive_end_ - massive_begin_);
   return y;
-}
-
-template <class Real>
-Real LinearLeg<Real>::dissipation(const Vector& v) const {
-  Real sum = 0;
-  if (uniform_) {
-    sum = (v.tail(n_ - 1) - v.head(n_ - 1)).squaredNorm();
-    if (left_fixed_) sum += v[0] * v[0];
-    if (right_fixed_) sum += v[n_ - 1] * v[n_ - 1];
-    sum *= damping_[0];
-  } else {
-    for (Index i = 0; i + 1 < n_; ++i) sum += damping_[i + 1] * (v[i + 1] - v[i]) * (v[i + 1] - v[i]);
-    if (left_fixed_) sum += damping_[0] * v[0] * v[0];
-    if (right_fixed_) sum += damping_[n_] * v[n_ - 1] * v[n_ - 1];
-  }
-  for (const ClosedContact& contact : closed_) sum += contact.law.damping * contact.of<Real>(v) * contact.of<Real>(v);
-  if (side_ && side_->has_drag()) sum += side_->drag_power(at_nodes(v, 0, 0));
-  return sum;
-}
-
-template <class Real>
-Real LinearLeg<Real>::side_power(const Vector& v, const Vector& u) const {
-  if (!side_ || !side_->has_row_power()) return 0;
-  const Vector placed = u + origin_.template cast<Real>();
-  return side_->row_power(at_nodes(v, 0, 0),
-                          at_nodes(placed, left_displacement_ + origin_[0], right_displacement_ + origin_[n_ - 1]));
 }
 
 template class LinearLeg<double>;

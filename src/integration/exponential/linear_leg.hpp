@@ -11,6 +11,10 @@ namespace viscobar::exponential {
 
 using Eigen::Index;
 
+inline std::span<const double> entries(const Eigen::VectorXd& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
+
 /// Terms of the Taylor series of a step with (rate bound) * step <= 1: 1 / 22! < 2^-64.
 inline constexpr Index taylor_order = 22;
 
@@ -62,33 +66,12 @@ class LinearLeg {
 
   Vector pack(const Vector& u, const Vector& v) const;
 
-  /// v . (eta K + dashpots) v, the power lost, with that of drag along the bar.
-  Real dissipation(const Vector& v) const;
-  /// SideRows::row_power() of v and u, as measured here.
-  Real side_power(const Vector& v, const Vector& u) const;
-  /// v . rho (M - Q) a, the power of the end rows of the mass; 0 for a mass without.
-  Real end_power(const Vector& v, const Vector& a) const;
-  bool has_end_rows() const { return inertia_->unsymmetric() || (side_ && side_->has_row_power()); }
-
  private:
-  void factorise(const BandedMatrix& inertia);
-  void solve_inertia(Vector& force) const;
-  // The value at node j, from the unknowns x, the first of them being node `first_node_`.
-  auto at_nodes(const auto& x, Real left, Real right) const {
-    return [&x, left, right, first = first_node_](std::size_t j) {
-      const Index i = static_cast<Index>(j) - first;
-      return i < 0 ? left : i < x.size() ? Real(x[i]) : right;
-    };
-  }
-
   Index n_, moving_begin_, moving_, massive_begin_, massive_end_;
-  bool left_fixed_, right_fixed_, damped_, uniform_;
+  bool left_fixed_, right_fixed_, damped_;
   Real left_displacement_, right_displacement_;  // of fixed ends
   std::vector<Real> stiffness_, damping_;  // E / h, eta / h of the elements left and right of unknown i: [i], [i+1]
-  std::vector<Real> lower_, inverse_pivot_, upper_;  // L(i+1, i), 1 / D(i, i), U(i, i+1) of the massive block of rho M
-  // One a one-sided row of rho M, in their order: U(r, r+2) to the right, L(r, r-2) to the left.
-  std::vector<Real> beyond_;
-  const BandedMatrix* inertia_ = nullptr;  // the system's
+  TridiagonalFactorOf<Real> factor_;       // of the massive block of rho M
   Eigen::VectorXd origin_;
   std::vector<double> steady_load_;  // empty, or n entries
   std::vector<ClosedContact> closed_;

@@ -184,14 +184,15 @@ PropagatorCache::PropagatorCache(const PenalisedSystem& system, const LoadInterp
       inverse_inertia_(norm_of_inverse_inertia(system.bar())),
       origin_(VectorXd::Zero(static_cast<Index>(system.size()))) {}
 
-void PropagatorCache::measure_from_obstacle(std::size_t c) {
-  origin_[node(c)] = -system_.contacts()[c].sign * system_.contacts()[c].gap;
-  entries_.clear();
-}
-
 Propagator& PropagatorCache::present() {
-  std::vector<bool> state(system_.contacts().size());
-  for (std::size_t c = 0; c < state.size(); ++c) state[c] = system_.contacts().closed(c);
+  const Contacts& contacts = system_.contacts();
+  if (const auto origin = contacts.origin().values();
+      !origin.empty() && !std::ranges::equal(origin, entries(origin_))) {
+    std::ranges::copy(origin, origin_.data());
+    entries_.clear();
+  }
+  std::vector<bool> state(contacts.size());
+  for (std::size_t c = 0; c < state.size(); ++c) state[c] = contacts.closed(c);
   const auto known = std::ranges::find(entries_, state, &Entry::closed);
   if (known != entries_.end()) {
     std::rotate(known, known + 1, entries_.end());
@@ -199,7 +200,8 @@ Propagator& PropagatorCache::present() {
     std::vector<ClosedContact> closed;
     for (std::size_t c = 0; c < state.size(); ++c)
       if (state[c])
-        closed.push_back({node(c), surface(c), system_.contacts()[c].law.linear(), system_.contacts()[c].joint > 0});
+        closed.push_back({static_cast<Index>(contacts[c].unknown), contacts.surface(c), contacts[c].law.linear(),
+                          contacts[c].joint > 0});
     for (const Support& support : system_.bar().supports()) {
       const auto at = static_cast<Index>(support.unknown);
       closed.push_back({at, -origin_[at], {support.stiffness, support.dashpot}, false});

@@ -67,20 +67,10 @@ class PropagatorCache {
   /// For the present contact states of the system. Valid until the next call.
   Propagator& present();
 
-  /// Origin of the displacements of the unknowns; measure_from_obstacle() moves that of contact c's node.
-  const Eigen::VectorXd& origin() const { return origin_; }
-  void measure_from_obstacle(std::size_t c);
   /// Norm of (rho M)^{-1} on the massive nodes.
   double inverse_inertia() const { return inverse_inertia_; }
-  /// Where contact c begins, measured from the origin.
-  double surface(std::size_t c) const {
-    const Contact& contact = system_.contacts()[c];
-    return -contact.sign * contact.gap - contact.of({origin_.data(), static_cast<std::size_t>(origin_.size())});
-  }
 
  private:
-  Index node(std::size_t c) const { return static_cast<Index>(system_.contacts()[c].unknown); }
-
   struct Entry {
     std::vector<bool> closed;
     std::unique_ptr<Propagator> propagator;
@@ -90,7 +80,7 @@ class PropagatorCache {
   const LoadInterpolation& load_;
   std::size_t& exponentials_;
   double inverse_inertia_;
-  Eigen::VectorXd origin_;
+  Eigen::VectorXd origin_;      // of the displacements in the entries
   std::vector<Entry> entries_;  // the last used at the end
 };
 
