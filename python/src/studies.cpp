@@ -41,6 +41,14 @@ void hearing_signals(Faults& faults, std::atomic<bool>& stop, Work work) {
   faults.rethrow();
 }
 
+/// Runs a study so: its JSON and its page.
+template <class Study>
+py::tuple reported(Faults& faults, std::atomic<bool>& stop, Study study) {
+  StudyReport report;
+  hearing_signals(faults, stop, [&] { report = study(); });
+  return py::make_tuple(report.json, report.page.html);
+}
+
 /// Tells a Python function how many are done of how many; empty for None. What it raises stops the work.
 std::function<void(std::size_t, std::size_t)> telling(const py::object& progress, Faults& faults,
                                                       std::atomic<bool>& stop) {
@@ -99,7 +107,7 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
   hearing_signals(*self.faults, stop, [&] { check = compare(contenders, threads); });
   // Their solver is the case's own method, but can be stopped.
   for (std::size_t i = 0; i < choice.cases.size(); ++i) check.runs[i].built_in = true;
-  const std::string json = compare_json(self.scene, choice, check), page = compare_page(run.scene, choice, check).html;
+  const StudyReport told = compare_report(self.scene, choice, check);
   py::list differences, kept;
   for (std::size_t i = 0; i < check.runs.size(); ++i) {
     const Difference* difference = check.to_reference(i);
@@ -107,7 +115,7 @@ py::tuple compare_methods(const PythonCase& self, const std::optional<std::vecto
     kept.append(check.runs[i].recording ? py::cast(std::make_shared<Kept>(Kept{std::move(*check.runs[i].recording)}))
                                         : py::none());
   }
-  return py::make_tuple(json, page, differences, kept);
+  return py::make_tuple(told.json, told.page.html, differences, kept);
 }
 
 py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilons,
@@ -128,19 +136,15 @@ py::tuple limit_study(const PythonCase& self, const std::vector<double>& epsilon
     if (told) told(done, all);
     if (stop) throw Interrupted();
   };
-  std::string json, page;
-  hearing_signals(*self.faults, stop, [&] {
+  return reported(*self.faults, stop, [&] {
     if (self.scene.accuracy && study.elements.empty()) {
       const AccuracyResult solved = limit_to_accuracy(study, *self.scene.accuracy);
       study.elements = {solved.run.elements};
       study.estimate = solved.estimate;
     }
     const LimitResult result = limit_of(study);
-    const CouplingResult coupling = balance_errors(study, result);
-    json = limit_json(self.scene, study, result, coupling);
-    page = limit_page(study, result, coupling).html;
+    return limit_report(self.scene, study, result, balance_errors(study, result));
   });
-  return py::make_tuple(json, page);
 }
 
 py::tuple precision_study(const PythonCase& self, const std::vector<std::string>& methods,
@@ -157,13 +161,7 @@ py::tuple precision_study(const PythonCase& self, const std::vector<std::string>
   study.seconds = seconds;
   study.threads = threads;
   study.stop = [&] { return stop.load(); };
-  std::string json, page;
-  hearing_signals(*self.faults, stop, [&] {
-    const PrecisionResult result = precision_of(study);
-    json = precision_json(self.scene, study, result);
-    page = precision_page(study, result).html;
-  });
-  return py::make_tuple(json, page);
+  return reported(*self.faults, stop, [&] { return precision_report(self.scene, study, precision_of(study)); });
 }
 
 // Orders.
@@ -291,31 +289,23 @@ py::tuple observed_orders(const std::vector<PythonCase>& cases, const std::vecto
 py::tuple fit_scene(const std::string& text, FitRequest request) {
   Faults faults;
   std::atomic<bool> stop{false};
-  std::string json, page;
-  hearing_signals(faults, stop, [&] {
+  return reported(faults, stop, [&] {
     auto [scene, study] = prepared_fit(
         request, [&](const std::vector<Setting>& settings) { return parse_scene_with(text, "", settings); });
     study.stop = [&] { return stop.load(); };
-    const FitResult result = fit(study);
-    json = fit_json(scene, study, result);
-    page = fit_page(scene, study, result).html;
+    return fit_report(scene, study, fit(study));
   });
-  return py::make_tuple(json, page);
 }
 
 /// Output of `viscobar compare --with`, and its page.
 py::tuple judge_files(const std::string& text, const std::vector<std::vector<std::string>>& schemes) {
   Faults faults;
   std::atomic<bool> stop{false};
-  std::string json, page;
-  hearing_signals(faults, stop, [&] {
+  return reported(faults, stop, [&] {
     PreparedJudgement prepared = prepared_judgement(schemes, parse_scene_with(text, "", of_the_bar_itself()));
     prepared.study.stop = [&] { return stop.load(); };
-    const JudgeResult judgement = judge(prepared.study);
-    json = judge_json(prepared, judgement);
-    page = judge_page(prepared, judgement).html;
+    return judge_report(prepared, judge(prepared.study));
   });
-  return py::make_tuple(json, page);
 }
 
 /// A list, a row for each bar: what the first axis is long is theirs.

@@ -97,15 +97,15 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
   if (!options.output.quiet) warn_of_other_scenes(directory_.path(), scene, kind);
 }
 
-void Study::finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv) const {
+void Study::finish(StudyReport report) const {
   StudyFiles files{options_.figures, {}};
-  if (!csv.empty()) files.tables[name_ + ".csv"] = csv;
+  if (!report.csv.empty()) files.tables[name_ + ".csv"] = std::move(report.csv);
   catch_interrupts();  // one that comes now waits: the files take their places together
-  const std::string written = write_study(directory_.path(), name_, json, std::move(page), files);
+  const std::string written = write_study(directory_.path(), name_, report.json, std::move(report.page), files);
   if (options_.scene.json)
     print(written);
   else if (!options_.output.quiet)
-    print(fmt::format("{}\n\n{}", heading(scene_.run.scene.title, options_.scene.file), text) +
+    print(fmt::format("{}\n\n{}", heading(scene_.run.scene.title, options_.scene.file), report.text) +
           row("pictures", (directory_.path() / (name_ + ".html")).string()));
 }
 

@@ -247,9 +247,7 @@ Json to_json(const MethodRun& run) {
   return json;
 }
 
-}  // namespace
-
-std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
+std::string json_text_of(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
   const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
   Json json;
   json["title"] = scene.run.scene.title;
@@ -290,15 +288,7 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   return json_text(json);
 }
 
-std::string compare_csv(const Comparison& check) {
-  return csv_of(pick(compare_columns(), {"method", "mass", "step", "relative_tolerance", "epsilon", "steps", "seconds",
-                                         "events", "max_penetration", "energy_final", "energy_dissipated",
-                                         "displacement_l2", "displacement_h1", "velocity_l2", "end_trace",
-                                         "events_matched", "largest_event_shift", "energy_difference", "error"}),
-                compared_runs(check, [&](std::size_t run) { return check.to_reference(run); }));
-}
-
-std::string compare_text(const MethodChoice& choice, const Comparison& check) {
+std::string terminal_text(const MethodChoice& choice, const Comparison& check) {
   const NumberText number(NumberText::For::terminal, check.runs.front().setup.run.scene);
   std::string out = "Methods\n" + text(method_table(check, number));
   if (const Table differences = difference_table(check, number); !differences.rows.empty())
@@ -310,7 +300,7 @@ std::string compare_text(const MethodChoice& choice, const Comparison& check) {
   return out;
 }
 
-PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
+PicturedPage page_of(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
   const NumberText number(NumberText::For::page, scene);
   Page page = Page::of_study(scene, choice.cases.empty() ? ", results beside each other" : ", by several methods");
   for (const MethodRun& run : check.runs)
@@ -336,6 +326,17 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
                          "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
                          "The impulse is that of the reaction.</p>\n");
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport compare_report(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
+  return {json_text_of(scene, choice, check), page_of(scene.run.scene, choice, check), terminal_text(choice, check),
+          csv_of(pick(compare_columns(), {"method", "mass", "step", "relative_tolerance", "epsilon", "steps", "seconds",
+                                          "events", "max_penetration", "energy_final", "energy_dissipated",
+                                          "displacement_l2", "displacement_h1", "velocity_l2", "end_trace",
+                                          "events_matched", "largest_event_shift", "energy_difference", "error"}),
+                 compared_runs(check, [&](std::size_t run) { return check.to_reference(run); }))};
 }
 
 }  // namespace viscobar

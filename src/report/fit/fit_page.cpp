@@ -126,9 +126,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result, const Num
   return picture;
 }
 
-}  // namespace
-
-std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+std::string json_text_of(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const std::size_t n = result.parameters.size();
   Json json;
   json["title"] = scene.run.scene.title;
@@ -173,7 +171,7 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   return study_json(std::move(json), remarks(study, result), scene);
 }
 
-std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+std::string terminal_text(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const NumberText number(NumberText::For::terminal, scene.run.scene);
   std::string out;
   for (const std::string& line : study.understood) out += line + ".\n";
@@ -185,10 +183,10 @@ std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitRes
                        number(root_mean_square(study.traces[i], result.traces[i]), unit_of_trace(column)));
   }
   for (const std::string& line : remarks(study, result)) out += line + ".\n";
-  return out;
+  return out + "\n";
 }
 
-PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+PicturedPage page_of(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const NumberText number(NumberText::For::page, scene.run.scene);
   Page page = Page::of_study(scene.run.scene, ": fit");
   page.add_head(notes_html({"The numbers of this scene are those that the fit starts from"}));
@@ -203,6 +201,12 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   if (!notes.empty()) page.add_section("What speaks against it, and what the data do not tell", notes_html(notes));
   if (!study.understood.empty()) page.add_section("The data", notes_html(study.understood));
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport fit_report(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  return {json_text_of(scene, study, result), page_of(scene, study, result), terminal_text(scene, study, result)};
 }
 
 }  // namespace viscobar
