@@ -68,14 +68,14 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
                {"small_epsilon",
                 {{"penetration", detailed(orders.penetration, epsilon)},
                  {"to_scheme", detailed(orders.to_scheme, epsilon)},
-                 {"to_rigid", detailed(orders.to_rigid, epsilon)},
+                 {"to_rigid", detailed(orders.to_scheme_limit, epsilon)},
                  {"to_own_limit", detailed(orders.to_own_limit, epsilon)},
                  {"to_scheme_limit", detailed(orders.to_scheme_limit, epsilon)},
                  {"theory_penetration", powers.penetration},
                  {"theory_difference", powers.difference}}},
                {"layer_resolved",
                 {{"penetration", detailed(orders.penetration_layer, epsilon)},
-                 {"to_rigid", detailed(orders.to_rigid_layer, epsilon)},
+                 {"to_rigid", detailed(orders.to_scheme_limit_layer, epsilon)},
                  {"theory", powers.layer}}},
                {"scheme_order", detailed(orders.of_step, [&](std::size_t i) { return orders.scheme[i].step; })},
                {"tolerance", orders.tolerance},
@@ -166,7 +166,7 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
   json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, result, best, number);
   json["order_penetration"] = order_or_null(orders.penetration);
-  json["order_to_rigid"] = order_or_null(orders.to_rigid);
+  json["order_to_rigid"] = order_or_null(orders.to_scheme_limit);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
   json["sentence"] = limit_sentence(orders, number);
   json["budget"] = study.budget;

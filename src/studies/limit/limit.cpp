@@ -357,12 +357,13 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
     orders.scheme_events = mesh.scheme.back().traces.events.size();
   }
   orders.boundary = boundary_of(any);
-  Sequence penetration, to_rigid, to_scheme, to_own;
+  Sequence penetration, to_scheme_limit, to_scheme, to_own;
   const double s = orders.evidence.scheme_error.value_or(orders.scheme_error);
   for (const LimitRow& row : rows) {
     penetration.add(row.epsilon, row.max_penetration, 0.01 * orders.tolerance_error);
     to_scheme.add(row.epsilon, row.difference_to_scheme, s);
-    if (other) to_rigid.add(row.epsilon, *row.difference_to_rigid, other_error + 0.1 * orders.tolerance_error);
+    if (other)
+      to_scheme_limit.add(row.epsilon, *row.difference_to_scheme_limit, other_error + 0.1 * orders.tolerance_error);
     if (own) to_own.add(row.epsilon, *row.difference_to_own_limit, own_error + 0.1 * orders.tolerance_error);
   }
   // Chatter that is out of step with the limit has powers of its own, and two of them may agree by chance.
@@ -374,14 +375,13 @@ LimitOrders orders_of(const MeshRuns& mesh, std::span<const LimitRow> rows) {
   orders.to_own_limit = in_step(of_node(to_own, orders.boundary));
   // Differences that stop at a plateau have no order.
   if (orders.verdict != Verdict::plateau) {
-    orders.to_rigid = in_step(of_node(to_rigid, orders.boundary));
+    orders.to_scheme_limit = in_step(of_node(to_scheme_limit, orders.boundary));
     orders.to_scheme = own ? to_scheme.order_within(orders.to_own_limit) : of_node(to_scheme, orders.boundary);
   }
-  if (mesh.magnifies) orders.to_own_limit = orders.to_rigid = orders.to_scheme = orders.of_step = std::nullopt;
-  orders.to_scheme_limit = orders.to_rigid;
+  if (mesh.magnifies) orders.to_own_limit = orders.to_scheme_limit = orders.to_scheme = orders.of_step = std::nullopt;
   if (!any.scene.span) {
     orders.penetration_layer = of_layer(penetration, orders.boundary);
-    orders.to_rigid_layer = of_layer(to_rigid, orders.boundary);
+    orders.to_scheme_limit_layer = of_layer(to_scheme_limit, orders.boundary);
   }
   return orders;
 }
