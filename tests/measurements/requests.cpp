@@ -115,7 +115,7 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
   Verdict verdict;
   AccuracyResult result;
   verdict.seconds = seconds_of([&] { result = solve(study); });
-  verdict.own_seconds = result.recording.statistics.integration_seconds;
+  verdict.own_seconds = record(result.run).statistics.integration_seconds;
   verdict.kept = result.estimate.kept;
   *text = fmt::format("{}, of {}: estimate {:.2e} ({:.1e} {:.1e} {:.1e}) request {:.2e}, order {:.3g}; {}",
                       setting(result.run), name(result.estimate.of), result.estimate.total, result.estimate.space,
