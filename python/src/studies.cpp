@@ -11,7 +11,6 @@
 #include "report/fit/fit_request.hpp"
 #include "report/judge/judge_request.hpp"
 #include "report/scene_check.hpp"
-#include "studies/limit/limit_fault.hpp"
 #include "studies/parallel.hpp"
 #include "sweep/sweep_workers.hpp"
 #include "viscobar/record/record_run.hpp"

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "cli/commands.hpp"
-#include "studies/limit/limit_fault.hpp"
 
 namespace viscobar::cli {
 

@@ -184,6 +184,10 @@ std::vector<double> decades(double first, double last, std::size_t per_decade = 
 /// 1e-2 to 1e-8 times natural_epsilon(): what a study has that names no penalties.
 std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade = 1);
 
+/// Why a scene has no penalty limit: nothing to touch, or a stop with a law of its own, whose key it names. Absent: it
+/// has one.
+std::optional<Finding> limit_fault(const Scene& scene);
+
 /// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10 where that costs
 /// little of the budget. The scheme starts at steps 10^(2/3), 10^(1/3) and 1 times the given one: a contact closes on
 /// its grid, and halved steps would put it at the same time as often as not.
