@@ -10,6 +10,7 @@
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "results/json.hpp"
+#include "studies/touch.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/results/versions.hpp"
@@ -51,7 +52,7 @@ std::vector<Point> trace(const Recording& recording, Value value) {
 }
 
 std::string in_unit(const Comparison& check, std::string_view words, auto quantity) {
-  return NumberText(NumberText::For::page, check.runs[*check.reference].setup.run.scene).heading(words, quantity);
+  return NumberText::page(check.runs[*check.reference].setup.run.scene).heading(words, quantity);
 }
 
 Axis time_axis(const Comparison& check) {
@@ -140,17 +141,8 @@ Picture differences_picture(const Comparison& check) {
 /// Times with at least one contact closed there.
 std::vector<Interval> contact_intervals(const Recording& recording, Where where) {
   plot::ThinnedIntervals all;
-  std::size_t closed = 0;
-  double begin = 0.0;
-  for (const Event& event : recording.events) {
-    if (event.where != where) continue;
-    if (event.change == Change::closing) {
-      if (closed++ == 0) begin = event.time;
-    } else if (closed > 0 && --closed == 0) {
-      all.add({begin, event.time});
-    }
-  }
-  if (closed > 0) all.add({begin, recording.times.back()});
+  for (const Touch& touch : touches(changes_at(recording.events, where), [](auto&&...) { return false; }))
+    all.add({touch.begin(), touch.end(recording.times.back())});
   return all.intervals();
 }
 
@@ -289,7 +281,7 @@ std::string json_text_of(const SceneFile& scene, const MethodChoice& choice, con
 }
 
 std::string terminal_text(const MethodChoice& choice, const Comparison& check) {
-  const NumberText number(NumberText::For::terminal, check.runs.front().setup.run.scene);
+  const NumberText number = NumberText::terminal(check.runs.front().setup.run.scene);
   std::string out = "Methods\n" + text(method_table(check, number));
   if (const Table differences = difference_table(check, number); !differences.rows.empty())
     out +=
@@ -301,7 +293,7 @@ std::string terminal_text(const MethodChoice& choice, const Comparison& check) {
 }
 
 PicturedPage page_of(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
-  const NumberText number(NumberText::For::page, scene);
+  const NumberText number = NumberText::page(scene);
   Page page = Page::of_study(scene, choice.cases.empty() ? ", results beside each other" : ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
