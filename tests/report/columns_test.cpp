@@ -38,7 +38,7 @@ TEST(Columns, JsonLeavesOutWhatIsOptionalAndAbsentAndSaysNullOtherwise) {
 }
 
 TEST(Columns, ATableHasAFewDigitsAndNoColumnThatNoRowHas) {
-  const Table table = table_of(columns(), rows, NumberText(NumberText::For::terminal), 1);
+  const Table table = table_of(columns(), rows, NumberText::terminal(), 1);
   EXPECT_EQ(table.header, (std::vector<std::string>{"a word", "how many", "number", "null"}));
   EXPECT_EQ(table.rows[0], (std::vector<std::string>{"plain", "3 of 9", "0.1", ""}));
   EXPECT_EQ(table.rows[1], (std::vector<std::string>{"with, a \"comma\"", "0 of 9", "0.333", ""}));

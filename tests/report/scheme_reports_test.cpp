@@ -31,7 +31,7 @@ Case ten_units() {
 TEST(ContactTable, AMissedContactDoesNotShiftTheRowsOfTheLaterOnes) {
   const Contender contenders[] = {{"all", ten_units(), in_contact({1, 3, 5, 7})},
                                   {"some", ten_units(), in_contact({1, 5.1, 7, 9})}};
-  const Table table = contact_table(compare(contenders), NumberText(NumberText::For::terminal));
+  const Table table = contact_table(compare(contenders), NumberText::terminal());
   std::vector<std::pair<std::string, std::string>> found;
   for (const auto& row : table.rows) found.emplace_back(row[1], row[2]);
   const std::vector<std::pair<std::string, std::string>> expected = {{"all", "1"},  {"some", "1"},   {"all", "3"},

@@ -244,7 +244,7 @@ std::string json_text_of(const PreparedJudgement& asked, const JudgeResult& judg
 
 std::string terminal_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
-  const NumberText number(NumberText::For::terminal, asked.scene.run.scene);
+  const NumberText number = NumberText::terminal(asked.scene.run.scene);
   std::string out;
   for (const std::string& line : asked.understood) out += line + ".\n";
   out += "\n" + text(distances(study, judgement, number));
@@ -258,7 +258,7 @@ std::string terminal_text(const PreparedJudgement& asked, const JudgeResult& jud
 
 PicturedPage page_of(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
-  const NumberText number(NumberText::For::page, asked.scene.run.scene);
+  const NumberText number = NumberText::page(asked.scene.run.scene);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
   page.add_head(notes_html(sentences(study, judgement, number)));
   page.add_section("Distances", html(distances(study, judgement, number)));

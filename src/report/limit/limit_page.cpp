@@ -58,7 +58,7 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
   const LimitOrders& orders = result.orders[mesh];
   const auto rows = rows_of(result, mesh);
   const LimitTheory powers = theory(study);
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   const auto epsilon = [&](std::size_t i) { return rows[i].epsilon; };
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
@@ -159,7 +159,7 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
                          const CouplingResult& coupling) {
   const std::size_t best = finest(result);
   const LimitOrders& orders = result.orders[best];
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = result.failed.empty() && std::ranges::none_of(result.orders, &LimitOrders::interrupted);
@@ -210,7 +210,7 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
 }
 
 std::string terminal_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   std::string out = text(limit_table(result, number));
   out += "\nObserved powers of epsilon\n" + text(order_table(study, result, number)) + "\n";
   for (std::size_t m = 0; m < result.orders.size(); ++m) {
@@ -234,7 +234,7 @@ std::string terminal_text(const LimitStudy& study, const LimitResult& result, co
 
 PicturedPage page_of(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
   Page page = Page::of_study(study.scene.scene, ": the penalty limit");
-  const NumberText number(NumberText::For::page, study.scene.scene);
+  const NumberText number = NumberText::page(study.scene.scene);
   page.add_head(head(study, result, number));
   page.add(numbers(study, result, number));
   if (!result.rows.empty()) {

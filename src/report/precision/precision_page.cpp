@@ -79,7 +79,7 @@ void for_each_advice(const PrecisionResult& result, const NumberText& number, au
 }
 
 std::string json_text_of(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
@@ -103,7 +103,7 @@ std::string json_text_of(const SceneFile& scene, const PrecisionStudy& study, co
 }
 
 std::string terminal_text(const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   std::string out = text(precision_table(result, number)) + "\n";
   for_each_advice(result, number, [&](const std::string& methods, const std::string& advised) {
     out += fmt::format("{}: {}.\n", methods, advised);
@@ -119,7 +119,7 @@ std::string terminal_text(const PrecisionStudy& study, const PrecisionResult& re
 }
 
 PicturedPage page_of(const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::page, study.scene.scene);
+  const NumberText number = NumberText::page(study.scene.scene);
   Page page = Page::of_study(study.scene.scene, ": speed against error");
   std::string advised;
   for_each_advice(result, number, [&](const std::string& methods, const std::string& text) {
