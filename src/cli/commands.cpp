@@ -92,7 +92,7 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
     : options_(options),
       scene_(scene),
       directory_(options.output.directory(options.scene.file), kind),
-      name_(std::filesystem::path(json_summaries[static_cast<std::size_t>(kind)]).stem()) {
+      name_(std::filesystem::path(files_of(kind).summary).stem()) {
   detail("results go to " + directory_.path().string());
   if (!options.output.quiet) warn_of_other_scenes(directory_.path(), scene, kind);
 }
@@ -111,14 +111,14 @@ void Study::finish(StudyReport report) const {
 
 void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own) {
   using Json = nlohmann::ordered_json;
-  for (const std::string_view name : json_summaries) {
-    std::ifstream stream(directory / name);
-    if (name == json_summaries[static_cast<std::size_t>(own)] || !stream) continue;
+  for (const ResultFiles& files : result_kinds()) {
+    std::ifstream stream(directory / files.summary);
+    if (&files == &files_of(own) || !stream) continue;
     const Json summary = Json::parse(stream, nullptr, false);
     if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
     if (!differing_tables(complete(scene), summary["scene"]).empty())
       warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
-                       directory.string(), name, one_line(summary["scene"].value("title", ""))));
+                       directory.string(), files.summary, one_line(summary["scene"].value("title", ""))));
   }
 }
 
