@@ -17,6 +17,7 @@
 #include "studies/accuracy/plan.hpp"
 #include "support/processor_seconds.hpp"
 #include "viscobar/case/end_traces.hpp"
+#include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 

@@ -67,7 +67,7 @@ struct Traces {
   Range range{};
 
   template <class Value>
-  Traces(const Comparison& check, Value value) : runs(finished(check)) {
+  Traces(std::vector<const MethodRun*> of, Value value) : runs(std::move(of)) {
     for (const MethodRun* run : runs) {
       lines.push_back(trace(*run->recording, [&](std::size_t k) { return value(*run->recording, k); }));
       range.add(lines.back());
@@ -85,7 +85,7 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
   std::vector<Panel> panels;
   for (const SceneEnd& end : ends_of(scene)) {
     const bool left = end.name == "left";
-    Traces traces(check, [&](const Recording& recording, std::size_t k) {
+    Traces traces(finished(check), [&](const Recording& recording, std::size_t k) {
       return left ? recording.displacement(k).front() : recording.displacement(k).back();
     });
     const std::vector<double>& times = traces.runs.front()->recording->times;
@@ -172,9 +172,11 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
   std::vector<Panel> panels;
   for (const SceneEnd& end : ends_of(scene)) {
     if (!scene.span && !end.obstacle()) continue;
-    Traces traces(check, [&](const Recording& recording, std::size_t k) {
-      return end.name == "left" ? recording.reaction_left[k] : recording.reaction_right[k];
-    });
+    const auto reaction = end.name == "left" ? &Recording::reaction_left : &Recording::reaction_right;
+    std::vector<const MethodRun*> runs = finished(check);
+    std::erase_if(runs, [&](const MethodRun* run) { return ((*run->recording).*reaction).empty(); });
+    if (runs.empty()) continue;
+    Traces traces(std::move(runs), [&](const Recording& recording, std::size_t k) { return (recording.*reaction)[k]; });
     traces.range.add(0.0);
     const std::string axis = fmt::format("reaction, {}", end.name);
     Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::force)), 240.0);
