@@ -8,7 +8,7 @@ namespace viscobar {
 /// The commands that leave results; each has files of its own.
 enum class ResultKind { run, compare, limit, precision, sweep, fit, judge };
 
-/// What each of them leaves, as lists of words with spaces between.
+/// Files of a kind, as lists of words with spaces between.
 struct ResultFiles {
   std::string_view kind;
   std::string_view first;    ///< the file that is written before the others: the summary, of a sweep its table

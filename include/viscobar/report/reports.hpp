@@ -26,7 +26,7 @@ struct PicturedPage {
   std::vector<FigureFile> figures;  ///< in the order of the page
 };
 
-/// What a command prints and writes about a study.
+/// All that a command prints and writes about a study.
 struct StudyReport {
   std::string json;      ///< one document
   PicturedPage page;     ///< with pictures

@@ -1,4 +1,4 @@
-// What a mesh of a study still has to run until its verdict is known.
+// The runs that a mesh of a study still needs until its verdict is known.
 #include <algorithm>
 #include <cmath>
 #include <limits>
