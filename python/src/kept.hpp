@@ -83,6 +83,8 @@ class Run : public Kept {
 // They bind what module.cpp does not.
 void bind_results(py::module_& module);
 void bind_studies(py::module_& module);
+void bind_orders(py::module_& module);
+void bind_sweeps(py::module_& module);
 
 /// A copy.
 inline py::array_t<double> array_of(const std::vector<double>& values) {

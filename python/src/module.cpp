@@ -375,6 +375,8 @@ PYBIND11_MODULE(_core, m) {
   m.def("recorded", &recorded);
   bind_results(m);
   bind_studies(m);
+  bind_orders(m);
+  bind_sweeps(m);
 }
 
 }  // namespace viscobar::python

@@ -35,7 +35,7 @@ std::string with_digits(const NumberText& number, double value, double error, Di
 
 std::string impact_text(const Case& run, const std::optional<Foresight>& foreseen) {
   if (!foreseen) return "not predicted, the scene is large";
-  const NumberText number(NumberText::For::terminal, run.scene);
+  const NumberText number = NumberText::terminal(run.scene);
   if (foreseen->impacts.empty()) return "none to t = " + number(run.end, Dimension::time, 6);
   std::string text;
   for (const FirstImpact& impact : foreseen->impacts)
@@ -81,7 +81,7 @@ std::string model_text(const Case& run, const BarSystem& system) {
                run.scene.chain.empty() ? "" : " a bar", nodes) +
            row("passages", "{:.4g} of a wave through the {}bar, each L/c = {}", run.end / passage,
                run.scene.chain.empty() ? "" : "shortest ",
-               NumberText(NumberText::For::terminal, run.scene)(passage, Dimension::time, 4));
+               NumberText::terminal(run.scene)(passage, Dimension::time, 4));
   }
   return row("unknowns", "{} nodes of {}, displacement and velocity", system.size(), nodes) +
          row("inertia", "{} mass{}", viscobar::name(system.mass()),
@@ -93,7 +93,7 @@ std::string check_text(const SceneCheck& check) {
   const BarSystem& system = check.system;
   const Scene& scene = run.scene;
   const Mesh& mesh = system.mesh();
-  const NumberText number(NumberText::For::terminal, scene);
+  const NumberText number = NumberText::terminal(scene);
   std::string text = row("method", method_text(check.setup, system)) + model_text(run, system);
   for (const std::string& words : member_texts(scene)) text += row("member", words);
   text += row("elasticity", "{}{}",

@@ -92,33 +92,33 @@ Study::Study(const StudyOptions& options, const SceneFile& scene, ResultKind kin
     : options_(options),
       scene_(scene),
       directory_(options.output.directory(options.scene.file), kind),
-      name_(std::filesystem::path(json_summaries[static_cast<std::size_t>(kind)]).stem()) {
+      name_(std::filesystem::path(files_of(kind).summary).stem()) {
   detail("results go to " + directory_.path().string());
   if (!options.output.quiet) warn_of_other_scenes(directory_.path(), scene, kind);
 }
 
-void Study::finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv) const {
+void Study::finish(StudyReport report) const {
   StudyFiles files{options_.figures, {}};
-  if (!csv.empty()) files.tables[name_ + ".csv"] = csv;
+  if (!report.csv.empty()) files.tables[name_ + ".csv"] = std::move(report.csv);
   catch_interrupts();  // one that comes now waits: the files take their places together
-  const std::string written = write_study(directory_.path(), name_, json, std::move(page), files);
+  const std::string written = write_study(directory_.path(), name_, report.json, std::move(report.page), files);
   if (options_.scene.json)
     print(written);
   else if (!options_.output.quiet)
-    print(fmt::format("{}\n\n{}", heading(scene_.run.scene.title, options_.scene.file), text) +
+    print(fmt::format("{}\n\n{}", heading(scene_.run.scene.title, options_.scene.file), report.text) +
           row("pictures", (directory_.path() / (name_ + ".html")).string()));
 }
 
 void warn_of_other_scenes(const std::filesystem::path& directory, const SceneFile& scene, ResultKind own) {
   using Json = nlohmann::ordered_json;
-  for (const std::string_view name : json_summaries) {
-    std::ifstream stream(directory / name);
-    if (name == json_summaries[static_cast<std::size_t>(own)] || !stream) continue;
+  for (const ResultFiles& files : result_kinds()) {
+    std::ifstream stream(directory / files.summary);
+    if (&files == &files_of(own) || !stream) continue;
     const Json summary = Json::parse(stream, nullptr, false);
     if (!summary.is_object() || !summary.contains("scene") || !summary["scene"].is_object()) continue;
     if (!differing_tables(complete(scene), summary["scene"]).empty())
       warn(fmt::format("{} also holds {} of another scene, \"{}\"; it stays there, and `viscobar info` tells both",
-                       directory.string(), name, one_line(summary["scene"].value("title", ""))));
+                       directory.string(), files.summary, one_line(summary["scene"].value("title", ""))));
   }
 }
 

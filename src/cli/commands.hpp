@@ -15,11 +15,7 @@
 #include "results/result_directory.hpp"
 #include "text/nearest_name.hpp"
 #include "text/number.hpp"
-#include "viscobar/input/scene_file.hpp"
-
-namespace viscobar {
-struct PicturedPage;
-}
+#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 
@@ -122,9 +118,9 @@ class Study {
  public:
   Study(const StudyOptions& options, const SceneFile& scene, ResultKind kind);
 
-  /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else `text` and where the
-  /// pictures are. @throws IoError
-  void finish(const std::string& json, PicturedPage page, const std::string& text, const std::string& csv = "") const;
+  /// Writes NAME.json, NAME.html and, if it is not empty, NAME.csv, and prints the first, or else the text and where
+  /// the pictures are. @throws IoError
+  void finish(StudyReport report) const;
   /// True if that would replace a complete result.
   bool replaces_whole() const { return is_complete(directory_.path() / (name_ + ".json")); }
   const std::filesystem::path& path() const { return directory_.path(); }  ///< directory of the results

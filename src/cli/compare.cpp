@@ -6,7 +6,6 @@
 #include "cli/commands.hpp"
 #include "report/compare/finished_runs.hpp"
 #include "report/judge/judge_request.hpp"
-#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 
@@ -40,14 +39,8 @@ int judge_solutions(const CompareOptions& asked) {
   prepared.study.threads = asked.threads;
   const Study study(asked, prepared.scene, ResultKind::judge);
   const JudgeResult judgement = judge(prepared.study);
-  study.finish(judge_json(prepared, judgement), judge_page(prepared, judgement),
-               judge_text(prepared, judgement) + "\n");
+  study.finish(judge_report(prepared, judgement));
   return success;
-}
-
-void finish(const Study& study, const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
-  study.finish(compare_json(scene, choice, check), compare_page(scene.run.scene, choice, check),
-               compare_text(choice, check), compare_csv(check));
 }
 
 int compare_results(CompareOptions asked) {
@@ -61,7 +54,7 @@ int compare_results(CompareOptions asked) {
   MethodChoice choice;
   choice.remarks = std::move(finished.remarks);
   const Comparison check = compare(std::move(finished.runs));
-  finish(Study(asked, finished.scene, ResultKind::compare), finished.scene, choice, check);
+  Study(asked, finished.scene, ResultKind::compare).finish(compare_report(finished.scene, choice, check));
   return success;
 }
 
@@ -81,7 +74,7 @@ int compare_methods(const CompareOptions& asked) {
   check_memory(scene.run, choice.cases.size());
   const Study study(asked, scene, ResultKind::compare);
   const Comparison check = compare(choice.cases, asked.threads);
-  finish(study, scene, choice, check);
+  study.finish(compare_report(scene, choice, check));
   for (const MethodRun& run : check.runs)
     if (!run.recording) complain(fmt::format("{}: {}", name(run.setup.run.method), run.error));
   return check.completed() ? success : run_failed;

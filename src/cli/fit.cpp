@@ -2,7 +2,6 @@
 
 #include "cli/commands.hpp"
 #include "report/fit/fit_request.hpp"
-#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 
@@ -20,8 +19,7 @@ int fit_scene(const FitOptions& asked) {
   });
   const Study study(asked, scene, ResultKind::fit);
   const FitResult result = fit(problem);
-  study.finish(fit_json(scene, problem, result), fit_page(scene, problem, result),
-               fit_text(scene, problem, result) + "\n");
+  study.finish(fit_report(scene, problem, result));
   if (!result.converged) complain(fmt::format("fit: {}", result.reason));
   return result.converged ? success : run_failed;
 }

@@ -3,8 +3,6 @@
 #include <optional>
 
 #include "cli/commands.hpp"
-#include "studies/limit/limit_fault.hpp"
-#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 
@@ -98,9 +96,7 @@ int study_limit(const LimitOptions& asked) {
     complain(fmt::format("interrupted; nothing was changed: {} holds a complete study", files.path().string()));
     return stopped;
   }
-  const CouplingResult coupling = balance_errors(study, result);
-  files.finish(limit_json(scene, study, result, coupling), limit_page(study, result, coupling),
-               limit_text(study, result, coupling), limit_csv(result));
+  files.finish(limit_report(scene, study, result, balance_errors(study, result)));
   for (const FailedRun& run : result.failed)
     complain(fmt::format("epsilon = {} on {} elements: {}", run.epsilon, run.elements, run.what));
   if (missed) complain(fmt::format("the error that was asked for is not kept at epsilon = 0: {}", missed->doubt));

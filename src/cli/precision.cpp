@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "cli/commands.hpp"
-#include "viscobar/report/reports.hpp"
 
 namespace viscobar::cli {
 
@@ -42,8 +41,7 @@ int study_precision(const PrecisionOptions& asked) {
     study.progress = [&](const std::string& what) { status.show(what); };
   const PrecisionResult result = precision_of(study);
   status.clear();
-  files.finish(precision_json(scene, study, result), precision_page(study, result),
-               precision_text(study, result) + "\n", precision_csv(result));
+  files.finish(precision_report(scene, study, result));
   const bool something = std::ranges::any_of(result.rows, [](const PrecisionRow& run) { return run.failure.empty(); });
   if (!something) complain(fmt::format("every run failed; the first: {}", result.rows.front().failure));
   return something ? success : run_failed;

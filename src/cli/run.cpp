@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string with_unit(double value, const Scene& scene, Dimension quantity, int digits = 6) {
-  return NumberText(NumberText::For::terminal, scene)(value, quantity, digits);
+  return NumberText::terminal(scene)(value, quantity, digits);
 }
 
 /// The first contacts of the ends, each from its closing to its opening, with the impulse between.

@@ -85,8 +85,7 @@ std::vector<Event> changes_in(const TraceFile& table, const std::string& file) {
 
 std::vector<std::string> names_of_traces() {
   std::vector<std::string> names = {"t"};
-  for (const TraceColumn column : all_trace_columns) names.push_back(name(column));
-  names.insert(names.end(), {"u@", "v@", "strain@", "stress@", "u_left:", "u_right:", "force:"});
+  names.insert(names.end(), trace_column_names().begin(), trace_column_names().end());
   return names;
 }
 

@@ -15,6 +15,10 @@ std::string NumberText::unit(const UnitPowers& powers) const {
   return reader_ == For::page ? squares(name) : name;
 }
 
+UnitPowers NumberText::unit_of(std::string_view key) const {
+  return key == "contact.epsilon" ? of_epsilon : unit_of_key(key, {}).value_or(UnitPowers{});
+}
+
 std::string NumberText::operator()(double value, int digits) const {
   return reader_ == For::page ? readable(value, digits) : fmt::format("{:.{}g}", value, digits);
 }
@@ -22,11 +26,6 @@ std::string NumberText::operator()(double value, int digits) const {
 std::string NumberText::operator()(double value, const UnitPowers& powers, int digits) const {
   const std::string name = unit(powers), number = (*this)(value, digits);
   return name.empty() ? number : fmt::format("{}{}{}", number, reader_ == For::page ? "\u00a0" : " ", name);
-}
-
-std::string NumberText::heading(std::string_view words, const UnitPowers& powers) const {
-  const std::string name = unit(powers);
-  return name.empty() ? std::string(words) : fmt::format("{} [{}]", words, name);
 }
 
 }  // namespace viscobar

@@ -12,7 +12,9 @@ namespace viscobar {
 class NumberText {
  public:
   enum class For { terminal, page };
-  explicit NumberText(For reader, const Scene& scene = {});
+  NumberText(For reader, const Scene& scene);
+  static NumberText terminal(const Scene& scene = {}) { return {For::terminal, scene}; }
+  static NumberText page(const Scene& scene) { return {For::page, scene}; }
 
   std::string operator()(double value, int digits = 3) const;
   /// "1.25 m/s"; without a unit the number alone.
@@ -20,13 +22,18 @@ class NumberText {
   std::string operator()(double value, Dimension quantity, int digits = 3) const {
     return (*this)(value, unit_powers(quantity), digits);
   }
+  /// The value of a key of the scene.
+  std::string of_key(std::string_view key, double value, int digits) const {
+    return (*this)(value, unit_of(key), digits);
+  }
   /// "time t [s]"; without a unit the words alone.
-  std::string heading(std::string_view words, const UnitPowers& unit) const;
+  std::string heading(std::string_view words, const UnitPowers& powers) const { return with_unit(words, unit(powers)); }
   std::string heading(std::string_view words, Dimension quantity) const {
     return heading(words, unit_powers(quantity));
   }
 
   std::string unit(const UnitPowers& powers) const;  ///< empty where the scene does not name it
+  UnitPowers unit_of(std::string_view key) const;    ///< of a key of the scene; of none where it has none
 
   UnitPowers of_epsilon;  ///< the unit of epsilon; of none where it has several
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "input/unit_of_key.hpp"
 #include "report/number_text.hpp"
 #include "report/scene_check.hpp"
 #include "report/scene_ends.hpp"
@@ -26,15 +25,10 @@ extern const std::string_view style, script;  // src/report/web
 
 namespace {
 
-/// The number of a key of a scene, with its unit.
-std::string value_text(const Scene& scene, const NumberText& number, std::string_view key, double value) {
-  return number(value, unit_of_key(key, scene).value_or(UnitPowers{}), 4);
-}
-
 std::string end_text(EndCondition end, const EndInput& input, const Scene& scene) {
   const EndKind& kind = end_kind(end);
-  const NumberText number(NumberText::For::page, scene);
-  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
+  const NumberText number = NumberText::page(scene);
+  const auto of_key = [&](const char* key, double value) { return number.of_key(key, value, 4); };
   std::string text(kind.in_words);
   for (const EndNumber& one : kind.numbers)
     text += fmt::format(", {}\u00a0{}", one.key, number(one.of(end), unit_powers(one.unit).value_or(UnitPowers{}), 4));
@@ -68,8 +62,8 @@ FileChecksums checksums_of(const std::string& file, const PicturedPage& page) {
 
 std::string model_html(const Scene& scene) {
   const Bar& bar = scene.bar;
-  const NumberText number(NumberText::For::page, scene);
-  const auto of_key = [&](const char* key, double value) { return value_text(scene, number, key, value); };
+  const NumberText number = NumberText::page(scene);
+  const auto of_key = [&](const char* key, double value) { return number.of_key(key, value, 4); };
   const std::string left = end_text(scene.left, scene.left_input, scene),
                     right = end_text(scene.right, scene.right_input, scene),
                     length = number(bar.length, Dimension::length, 4);

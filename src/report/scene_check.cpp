@@ -9,7 +9,6 @@
 #include "case/chatter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "input/described_scene.hpp"
-#include "input/unit_of_key.hpp"
 #include "report/number_text.hpp"
 #include "results/json.hpp"
 #include "results/summary.hpp"
@@ -33,31 +32,22 @@ std::string_view load_kind(const Scene& scene) {
   return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
 }
 
-namespace {
-
-NumberText terminal(const Scene& scene) { return NumberText(NumberText::For::terminal, scene); }
-
-std::string with_unit_of(std::string_view key, double value, const Scene& scene, int digits = 6) {
-  return terminal(scene)(value, unit_of_key(key, scene).value_or(UnitPowers{}), digits);
-}
-
-}  // namespace
-
 std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end) {
   const EndInput& input = end.input;
+  const NumberText number = NumberText::terminal(scene);
   std::vector<std::string> text;
   if (input.force)
-    text.push_back(input.force->steady ? "force " + terminal(scene)(input.force->value(0.0), Dimension::force, 6)
+    text.push_back(input.force->steady ? "force " + number(input.force->value(0.0), Dimension::force, 6)
                                        : "force F(t), on the row of the end");
   if (input.stiffness > 0.0)
     text.push_back(fmt::format("spring k = {} = {:.3g} E/L, at rest at u = 0",
-                               with_unit_of("left.stiffness", input.stiffness, scene),
+                               number.of_key("left.stiffness", input.stiffness, 6),
                                input.stiffness * bar.length / bar.modulus));
   if (input.dashpot > 0.0)
-    text.push_back(fmt::format("dashpot c = {} = {:.3g} sqrt(E rho)",
-                               with_unit_of("left.dashpot", input.dashpot, scene), input.dashpot / bar.impedance()));
+    text.push_back(fmt::format("dashpot c = {} = {:.3g} sqrt(E rho)", number.of_key("left.dashpot", input.dashpot, 6),
+                               input.dashpot / bar.impedance()));
   if (input.mass > 0.0)
-    text.push_back(fmt::format("mass m = {} = {:.3g} of the bar's", with_unit_of("left.mass", input.mass, scene),
+    text.push_back(fmt::format("mass m = {} = {:.3g} of the bar's", number.of_key("left.mass", input.mass, 6),
                                input.mass / (bar.density * bar.length)));
   if (input.motion)
     text.push_back(
@@ -77,7 +67,7 @@ std::string range_along(const Scene& scene, const SpaceFunction& f, const UnitPo
     const double value = of(f(scene.bar.length * j / places));
     least = std::min(least, value), most = std::max(most, value);
   }
-  const std::string last = terminal(scene)(most, unit, 4);
+  const std::string last = NumberText::terminal(scene)(most, unit, 4);
   return least == most ? last : fmt::format("{:.4g} to {}", least, last);
 }
 
@@ -138,7 +128,7 @@ std::string side_text(const Scene& scene) {
 
 std::string contact_kind(const Setup& setup) {
   const Case& run = setup.run;
-  const NumberText number = terminal(run.scene);
+  const NumberText number = NumberText::terminal(run.scene);
   const std::string epsilon = number(setup.epsilon, number.of_epsilon, 6);
   std::string stops;
   for (const SceneEnd& end : ends_of(run.scene))
@@ -201,9 +191,9 @@ std::vector<std::string> obstacles_that_stop_nothing(const Scene& scene, const s
     const bool above = obstacle.side == Side::above;
     found.push_back(fmt::format(
         "the {} obstacle bounds u {} ({} {}), and the bar does not come to it{}; for {} write side = \"{}\" in [{}]",
-        name(where), above ? "from above" : "from below",
-        above ? "u <=" : "u >=", terminal(scene)(above ? obstacle.gap : -obstacle.gap, Dimension::length, 6), goes_on,
-        wanted, above ? "below" : "above", name(where)));
+        name(where), above ? "from above" : "from below", above ? "u <=" : "u >=",
+        NumberText::terminal(scene)(above ? obstacle.gap : -obstacle.gap, Dimension::length, 6), goes_on, wanted,
+        above ? "below" : "above", name(where)));
   };
   for (const SceneEnd& end : ends_of(scene)) {
     const auto* obstacle = std::get_if<Obstacle>(&end.condition);
@@ -220,7 +210,7 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
                                      const std::vector<ContactRegime>& regimes,
                                      const std::optional<Foresight>& foreseen) {
   const Case& run = setup.run;
-  const NumberText number = terminal(run.scene);
+  const NumberText number = NumberText::terminal(run.scene);
   std::vector<std::string> found;
   if (foreseen) found = obstacles_that_stop_nothing(run.scene, foreseen->impacts);
   if (!run.warning.empty()) found.push_back(run.warning);

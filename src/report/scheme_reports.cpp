@@ -8,7 +8,7 @@
 namespace viscobar {
 
 std::string trial_text(const TrialResult& result) {
-  const NumberText number(NumberText::For::terminal, result.check.runs.front().setup.run.scene);
+  const NumberText number = NumberText::terminal(result.check.runs.front().setup.run.scene);
   std::string out =
       fmt::format("{}: {} against its references, largest over time\n", result.name, result.scheme().label) +
       text(difference_table(result.check, number, "reference", [&](std::size_t i) { return result.to(i); })) +
@@ -18,7 +18,7 @@ std::string trial_text(const TrialResult& result) {
 }
 
 std::string order_text(const OrderStudy& study) {
-  const NumberText number(NumberText::For::terminal);
+  const NumberText number = NumberText::terminal();
   Table table{
       {"elements", "step", "u, L2", "order", "end trace", "order", "v, L2", "order", "reaction, L1", "order"}, 0, {}};
   const std::array quantities = {&exact::Error::displacement_l2, &exact::Error::end_trace, &exact::Error::velocity_l2,

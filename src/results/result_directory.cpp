@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "input/input_text.hpp"
 #include "results/checkpoint_file.hpp"
 #include "results/file_set.hpp"
 #include "results/json.hpp"
@@ -26,31 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr const char *unfinished = "unfinished", *finished = "finished";
 
-/// The summary is written before the others. It is ours where it holds all of these words; of a table, which finds
-/// itself what is damaged in it, one is enough.
-struct Files {
-  std::string_view summary;
-  std::vector<std::string_view> words, others;
-  bool table = false;
-};
-
-const std::array<Files, 7>& all_files() {
-  static const std::array<Files, 7> files = {
-      Files{"summary.json",
-            {R"("versions")", R"("viscobar")", R"("method")"},
-            {"ends.csv", "events.csv", "energy.csv", "sensitivity.csv", "gauges.csv", "joints.csv", "field.h5",
-             "field.xdmf", "report.html", "checkpoint.bin", "checkpoint.previous.bin"}},
-      Files{"compare.json", {R"("pairs")", R"("version")"}, {"compare.html", "compare.csv"}},
-      Files{"limit.json", {R"("verdict")", R"("version")"}, {"limit.html", "limit.csv"}},
-      Files{"precision.json", {R"("reference")", R"("version")"}, {"precision.html", "precision.csv"}},
-      Files{"sweep.h5", {"viscobar", "\x89HDF"}, {"sweep.csv", "timings.csv", "sweep.json", "sweep.html"}, true},
-      Files{"fit.json", {R"("covariance")", R"("version")"}, {"fit.html"}},
-      Files{"judge.json", {R"("judged")", R"("version")"}, {"judge.html"}}};
-  return files;
-}
-
-const Files& files_of_kind(ResultKind kind) { return all_files()[static_cast<std::size_t>(kind)]; }
-
 fs::file_type type(const fs::path& file) {
   std::error_code error;
   return fs::symlink_status(file, error).type();
@@ -61,14 +37,15 @@ std::string regular_content(const fs::path& file) {
   return file_content(file);
 }
 
-bool has_result(const fs::path& directory, const Files& files) {
-  const std::string text = regular_content(directory / files.summary);
+bool has_result(const fs::path& directory, const ResultFiles& files) {
+  const std::string text = regular_content(directory / files.first);
   const auto held = [&](std::string_view word) { return text.find(word) != text.npos; };
-  return files.table ? std::ranges::any_of(files.words, held) : std::ranges::all_of(files.words, held);
+  const auto marks = split(files.marks, ' ');
+  return files.table() ? std::ranges::any_of(marks, held) : std::ranges::all_of(marks, held);
 }
 
 bool holds_whole_run(const fs::path& directory) {
-  return has_result(directory, files_of_kind(ResultKind::run)) && is_complete(directory / "summary.json");
+  return has_result(directory, files_of(ResultKind::run)) && is_complete(directory / "summary.json");
 }
 
 /// Remains of a command that was killed before it had a summary, or parts of a sweep.
@@ -76,14 +53,14 @@ bool begun(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
   if (name == DirectoryLock::file_name || FileSet::is_folder(name)) return true;
   if (name.starts_with("part-") && name.find("-of-") != name.npos && fs::is_directory(entry.path())) return true;
-  return std::ranges::any_of(all_files(), [&](const Files& files) {
+  return std::ranges::any_of(result_kinds(), [&](const ResultFiles& files) {
     const auto part_of = [&](std::string_view file) { return name == fmt::format("{}.part", file); };
-    return part_of(files.summary) || std::ranges::any_of(files.others, part_of);
+    return part_of(files.first) || std::ranges::any_of(split(files.others, ' '), part_of);
   });
 }
 
 /// Nothing may be in the way that is not ours to replace, and nothing that cannot be replaced.
-void check_files(const fs::path& directory, const Files& files) {
+void check_files(const fs::path& directory, const ResultFiles& files) {
   const bool ours = has_result(directory, files);
   const auto check = [&](std::string_view name) {
     const fs::path file = directory / name;
@@ -96,12 +73,12 @@ void check_files(const fs::path& directory, const Files& files) {
       throw std::invalid_argument(
           fmt::format("{} holds files and no result of viscobar (no {} of its own); nothing was overwritten, choose "
                       "another directory, or remove {}",
-                      directory.string(), files.summary, file.string()));
+                      directory.string(), files.first, file.string()));
     if (::faccessat(AT_FDCWD, file.c_str(), W_OK, AT_EACCESS) != 0)
       throw IoError(file, "cannot be written: " + std::generic_category().message(errno) + "; nothing was changed");
   };
-  check(files.summary);
-  std::ranges::for_each(files.others, check);
+  check(files.first);
+  std::ranges::for_each(split(files.others, ' '), check);
 }
 
 const fs::path& checked_name(const fs::path& directory) {
@@ -115,7 +92,7 @@ const fs::path& checked_name(const fs::path& directory) {
 
 void check_inner(const fs::path& inner) {
   if (type(inner) == fs::file_type::not_found) return;
-  const Files& files = files_of_kind(ResultKind::run);
+  const ResultFiles& files = files_of(ResultKind::run);
   const auto is_begun = [&] { return std::all_of(fs::directory_iterator(inner), fs::directory_iterator(), begun); };
   if (type(inner) != fs::file_type::directory ||
       !(has_result(inner, files) || fs::exists(inner / ResultDirectory::final_summary) || is_begun()))
@@ -133,17 +110,17 @@ void check_place(const fs::path& directory, ResultKind kind) {
   if (there != fs::file_type::directory)
     throw std::invalid_argument(directory.string() + " is not a directory; choose another place for the results");
   const auto files = [&] { return fs::directory_iterator(directory, error); };
-  if (std::ranges::none_of(all_files(), [&](const Files& of_kind) { return has_result(directory, of_kind); }) &&
+  if (std::ranges::none_of(result_kinds(),
+                           [&](const ResultFiles& of_kind) { return has_result(directory, of_kind); }) &&
       !std::all_of(begin(files()), end(files()), begun))
     throw std::invalid_argument(directory.string() +
                                 " holds files and no result of viscobar (no summary.json); nothing was overwritten, "
                                 "choose another directory");
   if (error) throw IoError(directory, "cannot be read: " + error.message());
-  check_files(directory, files_of_kind(kind));
+  check_files(directory, files_of(kind));
   if (kind != ResultKind::run) return;
   for (const char* name : {unfinished, finished}) check_inner(directory / name);
-  if (type(directory / unfinished) == fs::file_type::directory)
-    check_files(directory / unfinished, files_of_kind(kind));
+  if (type(directory / unfinished) == fs::file_type::directory) check_files(directory / unfinished, files_of(kind));
 }
 
 const fs::path& created(const fs::path& directory, ResultKind kind) {
@@ -164,7 +141,7 @@ void take_places(const fs::path& directory) {
         remove_file(directory / name);
       move_file(from / "summary.json", directory / "summary.json");
     }
-    for (const std::string_view name : files_of_kind(ResultKind::run).others) {
+    for (const std::string_view name : split(files_of(ResultKind::run).others, ' ')) {
       if (!fs::exists(from / name)) continue;
       if (name.starts_with("checkpoint"))
         fs::remove(from / name);
@@ -178,7 +155,7 @@ void take_places(const fs::path& directory) {
       fs::remove(from / "figures");
     }
     // Files of the earlier result that the later run did not write.
-    for (const std::string_view name : files_of_kind(ResultKind::run).others)
+    for (const std::string_view name : split(files_of(ResultKind::run).others, ' '))
       if (!name.starts_with("checkpoint") && !written.contains(std::string(name)) &&
           type(directory / name) == fs::file_type::regular)
         remove_file(directory / name);
@@ -190,7 +167,7 @@ void take_places(const fs::path& directory) {
 
 void take_all_places(const fs::path& directory) {
   take_places(directory);
-  for (const char* summary : json_summaries) FileSet::settle(directory, fs::path(summary).stem());
+  for (const ResultFiles& files : result_kinds()) FileSet::settle(directory, fs::path(files.summary).stem());
   FileSet::settle(directory, "export");
 }
 
@@ -209,13 +186,13 @@ void settle_place(const fs::path& place) {
 }
 
 /// Nobody writes them any more once the directory is locked, and a run that goes on from a checkpoint makes none.
-void remove_parts(const fs::path& directory, const Files& files) {
+void remove_parts(const fs::path& directory, const ResultFiles& files) {
   const auto remove = [&](std::string_view name) {
     const fs::path part = directory / fmt::format("{}.part", name);
     if (type(part) == fs::file_type::regular) remove_file(part);
   };
-  remove(files.summary);
-  std::ranges::for_each(files.others, remove);
+  remove(files.first);
+  std::ranges::for_each(split(files.others, ' '), remove);
 }
 
 }  // namespace
@@ -228,7 +205,7 @@ ResultDirectory::ResultDirectory(const fs::path& directory, ResultKind kind)
 ResultDirectory::ResultDirectory(const fs::path& directory)
     : directory_(checked_name(directory)), unfinished_(directory_ / unfinished), lock_(directory) {
   take_places(directory_);
-  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of_kind(ResultKind::run));
+  for (const fs::path& place : {directory_, unfinished_}) remove_parts(place, files_of(ResultKind::run));
 }
 
 // A run that could not begin leaves nothing.

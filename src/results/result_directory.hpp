@@ -1,19 +1,12 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 
 #include "results/directory_lock.hpp"
+#include "results/result_kind.hpp"
 #include "results/summary.hpp"
 
 namespace viscobar {
-
-/// The commands that leave results; each has files of its own.
-enum class ResultKind { run, compare, limit, precision, sweep, fit, judge };
-
-/// The summaries that they leave as JSON, in the order of the kinds.
-inline constexpr std::array json_summaries = {"summary.json", "compare.json", "limit.json", "precision.json",
-                                              "sweep.json",   "fit.json",     "judge.json"};
 
 /// A directory of results, of which this object is the only user until it ends.
 ///

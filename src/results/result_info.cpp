@@ -12,6 +12,7 @@
 #include "results/json.hpp"
 #include "results/output_file.hpp"
 #include "results/result_directory.hpp"
+#include "results/result_kind.hpp"
 #include "results/sweep_frame.hpp"
 #include "text/printable_text.hpp"
 #include "text/table.hpp"
@@ -22,35 +23,6 @@ namespace viscobar {
 namespace {
 
 namespace fs = std::filesystem;
-/// A kind of result, its summary, and the facts that are worth knowing: NAME, which with spaces is its name on the
-/// terminal, of a member of the summary, or NAME=PATH.
-struct Kind {
-  std::string_view name, summary, facts;
-};
-
-constexpr std::string_view of_run =
-    "title method elements=/scene/mesh/elements mass epsilon=/scene/contact/epsilon completed error reached_time "
-    "end_time=/scene/time/end output_every=/scene/output/every steps contact_changes=/events "
-    "largest_penetration=/max_penetration energy_initial=/energy/initial energy_final=/energy/final "
-    "energy_balance_error=/energy/balance_error integration_seconds wall_seconds version=/versions/viscobar";
-
-constexpr Kind kinds[] = {
-    {"run", "summary.json", of_run},
-    {"compare", "compare.json",
-     "title methods=/methods/*/method reference completed left_out=/skipped/# "
-     "nearest_to_reference=/pairs/<end_trace/other its_end_difference=/pairs/<end_trace/end_trace version"},
-    {"limit", "limit.json",
-     "title mass elements=/rows/*/elements rows=/rows/# completed verdict reason order_penetration order_to_rigid "
-     "order_to_scheme version"},
-    {"precision", "precision.json",
-     "title methods=/rows/*/method elements=/rows/*/elements rows=/rows/# completed reference=/reference/description "
-     "reference_error=/reference/error smallest_error=/rows/<error/error by=/rows/<error/method "
-     "with=/rows/<error/label in_seconds=/rows/<error/seconds version"},
-    {"sweep", "sweep.h5", "title keys failed=/failed/# integration_seconds wall_seconds"},
-    {"fit", "fit.json", "title parameters=/parameters/@ measured converged runs residual version"},
-    {"judge", "judge.json", "title judged=/judged/*/label missed=/judged/*/missed made_up=/judged/*/made_up version"},
-    {"run", "unfinished/summary.json", of_run},  // beside a whole one
-};
 
 // The value at a path, whose parts are the names of members; of a list # its length, * what its entries have behind
 // it, each once, and <NAME the entry whose member is smallest; of an object @ the names. Null where there is none.
@@ -78,9 +50,10 @@ Json found(const Json& at, std::string_view path) {
   return member == at.end() ? nullptr : found(*member, rest);
 }
 
-Json facts(const Kind& kind, fs::path file) {
-  Json result = {{"kind", kind.name}, {"file", kind.summary}};
-  if (kind.name == "sweep") {  // may be under way: its summary comes at the end
+Json facts(const ResultFiles& files, const fs::path& directory, const std::string& first) {
+  Json result = {{"kind", files.kind}, {"file", first}};
+  fs::path file = directory / first;
+  if (files.table()) {  // may be under way: its summary comes at the end
     const auto frame = SweepFrame::read(file);
     if (!frame) throw IoError(file, "is of a version that made no checksums");
     const std::size_t done = check_rows(file, *frame).done, cases = frame->cases();
@@ -92,7 +65,7 @@ Json facts(const Kind& kind, fs::path file) {
   try {
     const Json summary = parsed_json(text, "is no JSON");
     if (seal_of(text) == Seal::broken) result["damaged"] = "its checksum is not the one that was written";
-    for (const std::string_view fact : split(kind.facts, ' ')) {
+    for (const std::string_view fact : split(files.facts, ' ')) {
       const std::size_t equals = fact.find('=');
       const std::string name(fact.substr(0, equals));
       Json value = found(summary, equals == fact.npos ? "/" + name : std::string(fact.substr(equals + 1)));
@@ -103,7 +76,7 @@ Json facts(const Kind& kind, fs::path file) {
   } catch (const Json::exception&) {
     throw IoError(file, "is JSON, and no summary of viscobar: its members are others");
   }
-  if (kind.name == "sweep") result["completed"] = result["remaining"] == 0 && result["failed"] == 0;
+  if (files.table()) result["completed"] = result["remaining"] == 0 && result["failed"] == 0;
   return result;
 }
 
@@ -126,20 +99,21 @@ Json files_in(const fs::path& directory) {
 }
 
 Json describe(const fs::path& place) {
-  std::string names;
-  for (const Kind& kind : kinds) names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.summary);
+  std::vector<std::string> names;
+  for (const ResultFiles& files : result_kinds()) names.emplace_back(files.first);
+  names.emplace_back("unfinished/summary.json");  // of a run, beside a whole one
   if (!fs::exists(place)) throw std::invalid_argument(fmt::format("{} does not exist", place.string()));
   const bool one_file = !fs::is_directory(place);
   const fs::path directory = !one_file ? place : place.has_parent_path() ? place.parent_path() : fs::path(".");
   settle_result_directory(directory);
   Json results = Json::array();
-  for (const Kind& kind : kinds)
-    if ((!one_file || place.filename() == kind.summary) && fs::exists(directory / kind.summary))
-      results.push_back(facts(kind, directory / kind.summary));
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if ((!one_file || place.filename() == names[k]) && fs::exists(directory / names[k]))
+      results.push_back(facts(result_kinds()[k % result_kinds().size()], directory, names[k]));
   if (results.empty())
-    throw std::invalid_argument(
-        one_file ? fmt::format("{} is none of {}", place.string(), names)
-                 : fmt::format("{} holds no result of viscobar (none of {})", directory.string(), names));
+    throw std::invalid_argument(one_file ? fmt::format("{} is none of {}", place.string(), fmt::join(names, ", "))
+                                         : fmt::format("{} holds no result of viscobar (none of {})",
+                                                       directory.string(), fmt::join(names, ", ")));
   return {{"directory", directory.string()}, {"results", results}, {"files", files_in(directory)}};
 }
 

@@ -125,11 +125,10 @@ SweepRowStates check_rows(const fs::path& file, const SweepFrame& frame) {
     std::uint64_t sum = 0, index = 0;
     std::memcpy(&sum, sums.next().data(), sizeof sum);
     std::memcpy(&index, row.data(), sizeof index);
-    const bool sound = index == i && sum == row_checksum(identity, row, timing);
     const char mark = marks.next().front();
     if (mark == 1) ++states.done;
-    if (mark == 0 ? false : mark != 1 || !sound) states.damaged.push_back(i);
-    if (mark == 0 && sound) ++states.unmarked;
+    if (mark == 0) continue;  // a row without one is of a sweep that was killed
+    if (mark != 1 || index != i || sum != row_checksum(identity, row, timing)) states.damaged.push_back(i);
   }
   return states;
 }

@@ -39,7 +39,6 @@ std::uint64_t row_checksum(const Checksum& identity, std::string_view row, std::
 
 struct SweepRowStates {
   std::size_t done = 0;              ///< marked as done
-  std::size_t unmarked = 0;          ///< sound, but not marked: of a sweep that was killed
   std::vector<std::size_t> damaged;  ///< cases that are marked, and are not what was written
 };
 /// @throws IoError

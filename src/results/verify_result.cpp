@@ -28,14 +28,15 @@ namespace fs = std::filesystem;
 class Verification {
  public:
   explicit Verification(const fs::path& directory) : directory_(directory) {
-    const auto there = [&](const char* name) { return fs::exists(directory / name); };
-    if (std::ranges::none_of(json_summaries, there) && !there("sweep.h5"))
+    const auto there = [&](std::string_view name) { return fs::exists(directory / name); };
+    if (std::ranges::none_of(result_kinds(), there, &ResultFiles::summary) && !there("sweep.h5"))
       throw std::invalid_argument(directory.string() + " holds no result of viscobar");
     for (const fs::path& folder : {directory, directory / "figures"})
       if (fs::is_directory(folder))
         for (const auto& entry : fs::directory_iterator(folder))
           if (entry.is_regular_file()) found_[fs::relative(entry.path(), directory).string()].bytes = entry.file_size();
-    for (const char* name : json_summaries) {
+    for (const ResultFiles& files : result_kinds()) {
+      const std::string name(files.summary);
       if (found_.contains(name))
         summary(name);
       else if (there(name))

@@ -114,7 +114,7 @@ std::string squares(std::string unit) {
 }
 
 std::string with_unit(std::string_view words, const std::string& unit) {
-  return unit.empty() ? std::string(words) : fmt::format("{} [{}]", words, squares(unit));
+  return unit.empty() ? std::string(words) : fmt::format("{} [{}]", words, unit);
 }
 
 std::string named_units(const Units& units) {

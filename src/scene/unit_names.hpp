@@ -31,11 +31,8 @@ std::string unit_name(const Units& units, Dimension quantity, const std::optiona
 /// A unit as pages write it, with ² for ^2 and ³ for ^3.
 std::string squares(std::string unit);
 
-/// "time t [s]", as pages write it; without a unit the words alone.
+/// "time t [s]"; without a unit the words alone.
 std::string with_unit(std::string_view words, const std::string& unit);
-inline std::string with_unit(std::string_view words, const Units& units, Dimension quantity) {
-  return with_unit(words, unit_name(units, quantity));
-}
 
 /// The units that are named, as "length: m, time: s"; empty where none is.
 std::string named_units(const Units& units);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "viscobar/run/run.hpp"
@@ -36,6 +38,22 @@ std::vector<Touch> touches(const std::vector<const Event*>& changes, auto&& join
     else
       joined.back().opening = next.opening, joined.back().bounces += next.bounces;
   return joined;
+}
+
+/// The changes of an end, of a joint by its number, or of a span, which is in contact while any of its nodes is.
+inline std::vector<const Event*> changes_at(std::span<const Event> all, Where where, std::size_t joint = 0) {
+  std::vector<const Event*> changes;
+  std::set<std::size_t> closed;
+  for (const Event& event : all) {
+    if (event.where != where || (joint > 0 && event.node != joint)) continue;
+    const bool flew = closed.empty(), closes = event.change == Change::closing;
+    if (closes)
+      closed.insert(event.node);
+    else
+      closed.erase(event.node);
+    if (closes ? flew : closed.empty()) changes.push_back(&event);
+  }
+  return changes;
 }
 
 }  // namespace viscobar

@@ -93,15 +93,6 @@ std::span<const QuantityColumn, quantities> quantity_columns() {
   return of_quantities;
 }
 
-double SweepRow::column(std::size_t k) const {
-  for (const std::span<const double> list :
-       {std::span<const double>(values), std::span(joints), std::span(chosen), std::span(derivatives)}) {
-    if (k < list.size()) return list[k];
-    k -= list.size();
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 std::string SweepPart::name() const { return fmt::format("part-{}-of-{}", number, of); }
 
 std::vector<bool> SweepPart::own(std::size_t cases) const {

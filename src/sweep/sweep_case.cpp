@@ -20,6 +20,8 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
+std::size_t joints_of(const Scene& scene) { return std::max<std::size_t>(scene.chain.size(), 1) - 1; }
+
 void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   const auto set = [&row](Quantity first, const auto&... values) {
     auto at = row.values.begin() + static_cast<std::ptrdiff_t>(first);
@@ -38,13 +40,13 @@ void tell(SweepRow& row, const Scene& scene, const Statistics& done) {
   };
   set_end(done.account->left, is_obstacle(scene.left), Quantity::u_left_final, Quantity::closings_left);
   set_end(done.account->right, is_obstacle(scene.right), Quantity::u_right_final, Quantity::closings_right);
-  for (std::size_t k = 0; joint_values * k < row.joints.size(); ++k) {
+  for (std::size_t k = 0; k < joints_of(scene); ++k) {
     if (scene.chain[k].joint.kind != JointKind::contact) continue;
     const ContactAccount joint = done.account->joint(k + 1);
     const std::array<double, joint_values> values = {static_cast<double>(joint.closings),
                                                      joint.contact.total(done.reached_time), joint.impulse,
                                                      joint.peak_reaction};
-    std::ranges::copy(values, &row.joints[joint_values * k]);
+    std::ranges::copy(values, &row.values[quantities + joint_values * k]);
   }
   if (scene.span) set(Quantity::closings_span, done.account->span.closings);
 }
@@ -58,15 +60,14 @@ struct Derivatives {
     auto& first = event.change == Change::closing ? closing : opening;
     if (first.empty()) first = event.sensitivities;
   }
-  std::vector<double> row(const Statistics& done) const {
+  void tell(SweepRow& row, const Statistics& done) const {
     const SensitivityAccount account = done.sensitivity.value_or(SensitivityAccount{});
-    std::vector<double> values;
+    auto to = row.values.end() - static_cast<std::ptrdiff_t>(keys * differentiated.size());
     for (std::size_t k = 0; k < keys; ++k) {
       for (const auto* list : {&account.impulse_left, &account.impulse_right, &account.energy})
-        values.push_back(k < list->size() ? (*list)[k] : none);
-      for (const auto* first : {&closing, &opening}) values.push_back(k < first->size() ? (*first)[k].time : none);
+        *to++ = k < list->size() ? (*list)[k] : none;
+      for (const auto* first : {&closing, &opening}) *to++ = k < first->size() ? (*first)[k].time : none;
     }
-    return values;
   }
 };
 
@@ -76,7 +77,6 @@ void add_sentence(std::string& text, const std::string& sentence) { text += (tex
 bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& interrupted,
                    accuracy::Probe* probe = nullptr, std::span<const double> times = {},
                    Statistics* statistics = nullptr) {
-  row.joints.assign(joint_values * (std::max<std::size_t>(run.scene.chain.size(), 1) - 1), none);
   const Setup setup = resolve(run);
   const BarSystem system = setup.system();
   std::size_t steps = 0, events = 0;
@@ -101,7 +101,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
     if (!done.completed) return false;
     if (statistics) *statistics = done;
     tell(row, run.scene, done);
-    row.derivatives = derivatives.row(done);
+    derivatives.tell(row, done);
     for (const Alarm& alarm : alarms(setup, system, done))
       if (alarm.ruinous) add_sentence(row.error, alarm.what);
     row.completed = row.error.empty();
@@ -110,7 +110,7 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
   } catch (const IntegrationError& error) {
     if (error.failure == Failure::memory) throw std::bad_alloc();
     tell(row, run.scene, error.statistics);
-    row.derivatives = derivatives.row(error.statistics);
+    derivatives.tell(row, error.statistics);
     row.error = error.what();
   } catch (const std::exception& error) {
     row[Quantity::steps] = static_cast<double>(steps);
@@ -124,8 +124,10 @@ bool simulate_into(SweepRow& row, const Case& run, const std::function<bool()>& 
 void tell_chosen(SweepRow& row, const Case& run) {
   const AccuracyStart settings = start_at(run);
   if (settings.elements == 0) return;
-  row.chosen = {static_cast<double>(settings.elements), settings.tolerance.value_or(none),
-                is_scheme(run.method) ? run.step.value_or(none) : none, settings.epsilon.value_or(none)};
+  const std::array<double, chosen_values> chosen = {
+      static_cast<double>(settings.elements), settings.tolerance.value_or(none),
+      is_scheme(run.method) ? run.step.value_or(none) : none, settings.epsilon.value_or(none)};
+  std::ranges::copy(chosen, &row.values[quantities + joint_values * joints_of(run.scene)]);
 }
 
 // The same of a scene that asks for an error: whose estimate does not keep it is not completed.
@@ -134,7 +136,6 @@ bool solve_into(SweepRow& row, const SceneFile& scene, const std::function<bool(
   study.scene = scene.run;
   study.request = *scene.accuracy;
   study.threads = 1;
-  row.chosen.assign(chosen_values, none);
   study.stop = interrupted;
   try {
     accuracy::Plan plan(study);
@@ -184,6 +185,9 @@ std::optional<SweepRow> run_case(const std::string& scene_text, const SweepCase&
   row[Quantity::steps] = row[Quantity::events] = row[Quantity::reached_time] = 0.0;
   try {
     const SceneFile scene = parse_scene_with(scene_text, "scene", one.settings, {}, Telling::nothing);
+    row.values.resize(quantities + joint_values * joints_of(scene.run.scene) + (scene.accuracy ? chosen_values : 0) +
+                          scene.run.directions.size() * differentiated.size(),
+                      none);
     if (!(scene.accuracy ? solve_into(row, scene, interrupted) : simulate_into(row, scene.run, interrupted)))
       return std::nullopt;
   } catch (const std::bad_alloc&) {

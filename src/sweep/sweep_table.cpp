@@ -186,14 +186,8 @@ std::vector<SweepRow> SweepTable::read() const {
     row.completed = completed != 0;
     row.error.assign(from, strnlen(from, longest_error));
     from += longest_error;
-    if (!plan_.bars.empty()) row.values.resize(plan_.bars.size());
+    row.values.resize(fields_.size() - plan_.keys.size() - 3);
     for (double& value : row.values) get(value);
-    row.joints.resize(joint_values * plan_.joints);
-    for (double& value : row.joints) get(value);
-    row.chosen.resize(plan_.accuracy ? chosen_values : 0);
-    for (double& value : row.chosen) get(value);
-    row.derivatives.resize(plan_.sensitivities.size() * differentiated.size());
-    for (double& value : row.derivatives) get(value);
     row.seconds = timings[i].seconds;
     row.integration_seconds = timings[i].integration_seconds;
     rows.push_back(std::move(row));

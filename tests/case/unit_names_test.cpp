@@ -63,8 +63,8 @@ TEST(UnitNames, AreEmptyWhereTheSceneNamesTooFew) {
   EXPECT_EQ(unit_name({}, Dimension::length), "");
   EXPECT_EQ(unit_name({"m", "", "", "", ""}, Dimension::velocity), "");
   EXPECT_EQ(unit_name({"m", "s", "", "", ""}, Dimension::stress), "");
-  EXPECT_EQ(with_unit("time t", {}, Dimension::time), "time t");
-  EXPECT_EQ(with_unit("stress s", {"m", "", "", "N", ""}, Dimension::stress), "stress s [N/m²]");
+  EXPECT_EQ(with_unit("time t", unit_name({}, Dimension::time)), "time t");
+  EXPECT_EQ(with_unit("stress s", squares(unit_name({"m", "", "", "N", ""}, Dimension::stress))), "stress s [N/m²]");
 }
 
 TEST(UnitNames, OfWordsAndQuotientsFollowFromTheirPowers) {

@@ -149,9 +149,9 @@ TEST(ChainLimit, ThePenaltyTendsToTheSchemeWithItsLaw) {
   study.budget = 20.0;
   const LimitResult result = limit_of(study);
   EXPECT_EQ(result.orders.at(0).verdict, Verdict::converges);
-  ASSERT_TRUE(result.rows.back().difference_to_rigid);
+  ASSERT_TRUE(result.rows.back().difference_to_scheme_limit);
   // A node that a dashpot stops goes sqrt(epsilon) deep at most, at a speed of 1.
-  EXPECT_LT(*result.rows.back().difference_to_rigid, std::sqrt(1e-6));
+  EXPECT_LT(*result.rows.back().difference_to_scheme_limit, std::sqrt(1e-6));
 }
 
 // Both bars fly on, so that the depth of their contact is the difference of displacements a million times as large: of

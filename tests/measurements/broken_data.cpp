@@ -22,7 +22,7 @@ int main(int count, char** words) {
       study.scene = scene.run;
       study.request = *scene.accuracy;
       const AccuracyResult result = solve(study);
-      const double error = data.wrong(result.recording);
+      const double error = data.wrong(record(result.run));
       kept += result.estimate.kept;
       if (!result.estimate.kept || error > data.error)
         fmt::print("seed {}: {}, {} elements, asked {:.1e}, estimate {:.1e}, error {:.1e} {}\n", seed + i,

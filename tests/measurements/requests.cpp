@@ -17,6 +17,7 @@
 #include "studies/accuracy/plan.hpp"
 #include "support/processor_seconds.hpp"
 #include "viscobar/case/end_traces.hpp"
+#include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 
@@ -115,7 +116,7 @@ Verdict judged(const AccuracyStudy& study, std::string* text) {
   Verdict verdict;
   AccuracyResult result;
   verdict.seconds = seconds_of([&] { result = solve(study); });
-  verdict.own_seconds = result.recording.statistics.integration_seconds;
+  verdict.own_seconds = record(result.run).statistics.integration_seconds;
   verdict.kept = result.estimate.kept;
   *text = fmt::format("{}, of {}: estimate {:.2e} ({:.1e} {:.1e} {:.1e}) request {:.2e}, order {:.3g}; {}",
                       setting(result.run), name(result.estimate.of), result.estimate.total, result.estimate.space,

@@ -38,7 +38,7 @@ TEST(Columns, JsonLeavesOutWhatIsOptionalAndAbsentAndSaysNullOtherwise) {
 }
 
 TEST(Columns, ATableHasAFewDigitsAndNoColumnThatNoRowHas) {
-  const Table table = table_of(columns(), rows, NumberText(NumberText::For::terminal), 1);
+  const Table table = table_of(columns(), rows, NumberText::terminal(), 1);
   EXPECT_EQ(table.header, (std::vector<std::string>{"a word", "how many", "number", "null"}));
   EXPECT_EQ(table.rows[0], (std::vector<std::string>{"plain", "3 of 9", "0.1", ""}));
   EXPECT_EQ(table.rows[1], (std::vector<std::string>{"with, a \"comma\"", "0 of 9", "0.333", ""}));
@@ -52,13 +52,14 @@ TEST(LimitColumns, AreThoseThatScriptsRead) {
   LimitResult result;
   LimitRow& row = result.rows.emplace_back();
   row.epsilon = 0.01, row.elements = 27, row.tolerance = 1e-6, row.events = 4, row.max_penetration = 0.25;
-  row.difference_to_rigid = 0.5;
+  row.difference_to_scheme_limit = 0.5;
   EXPECT_EQ(limit_csv(result),
             "elements,epsilon,mass,events,max_penetration,difference_to_scheme,difference_to_own_limit,"
-            "difference_to_scheme_limit,tolerance,steps,seconds\n27,0.01,consistent,4,0.25,0,,,1e-06,0,0\n");
+            "difference_to_scheme_limit,tolerance,steps,seconds\n27,0.01,consistent,4,0.25,0,,0.5,1e-06,0,0\n");
   EXPECT_EQ(json_of(limit_columns(), row).dump(),
             R"({"epsilon":0.01,"elements":27,"mass":"consistent","events":4,"max_penetration":0.25,)"
-            R"("difference_to_scheme":0.0,"difference_to_rigid":0.5,"tolerance":1e-06,"steps":0,"seconds":0.0})");
+            R"("difference_to_scheme":0.0,"difference_to_rigid":0.5,"difference_to_scheme_limit":0.5,)"
+            R"("tolerance":1e-06,"steps":0,"seconds":0.0})");
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "report/compare/compare_tables.hpp"
+#include "viscobar/input/scene_file.hpp"
 #include "viscobar/report/reports.hpp"
 
 namespace viscobar {
@@ -31,13 +34,38 @@ Case ten_units() {
 TEST(ContactTable, AMissedContactDoesNotShiftTheRowsOfTheLaterOnes) {
   const Contender contenders[] = {{"all", ten_units(), in_contact({1, 3, 5, 7})},
                                   {"some", ten_units(), in_contact({1, 5.1, 7, 9})}};
-  const Table table = contact_table(compare(contenders), NumberText(NumberText::For::terminal));
+  const Table table = contact_table(compare(contenders), NumberText::terminal());
   std::vector<std::pair<std::string, std::string>> found;
   for (const auto& row : table.rows) found.emplace_back(row[1], row[2]);
   const std::vector<std::pair<std::string, std::string>> expected = {{"all", "1"},  {"some", "1"},   {"all", "3"},
                                                                      {"all", "5"},  {"some", "5.1"}, {"all", "7"},
                                                                      {"some", "7"}, {"some", "9"}};
   EXPECT_EQ(found, expected);
+}
+
+// A scheme need not tell the closing of a contact that its scene begins with, nor reactions.
+TEST(ContactPicture, DrawsAContactThatIsClosedFromTheStartOn) {
+  const SceneFile scene = parse_scene(
+      "[bar]\nlength = 1.0\n[initial]\nvelocity = -1.0\n[left]\nkind = \"obstacle\"\ngap = 0.0\n[right]\nkind = \"free\"\n[mesh]\nelements = 2\n"
+      "[time]\nend = 10.0\n",
+      "scene");
+  const Solver untold = [](const Case& run) {
+    Recording recording = in_contact({0.0})(run);
+    recording.events.erase(recording.events.begin());
+    return recording;
+  };
+  const Contender contenders[] = {{"told", scene.run, in_contact({0.0})}, {"untold", scene.run, untold}};
+  const PicturedPage page = compare_report(scene, {}, compare(contenders)).page;
+  const std::string& figure = std::ranges::find(page.figures, "contact-left", &FigureFile::name)->svg;
+  std::vector<std::string> widths;
+  for (const std::string name : {"told", "untold"}) {
+    const std::string key = "data-key=\"" + name + "\" d=\"M";
+    const std::size_t at = figure.find(key);
+    ASSERT_NE(at, figure.npos) << name;
+    const std::string box = figure.substr(at + key.size(), figure.find('v', at) - at - key.size());
+    widths.push_back(box.substr(0, box.find(' ')) + box.substr(box.find('h')));
+  }
+  EXPECT_EQ(widths[0], widths[1]);
 }
 
 TEST(OrderText, GivesTheOrderBetweenTwoLevelsAndOfAll) {

@@ -373,7 +373,8 @@ RandomFit random_fit(std::uint64_t seed, std::size_t index, Data data) {
     return data == Data::any ||
            (data == Data::reactions ? column == TraceColumn::reaction_left : fitting::is_velocity(column));
   };
-  for (const TraceColumn column : all_trace_columns) {
+  for (const TraceColumn column : {TraceColumn::u_left, TraceColumn::v_left, TraceColumn::reaction_left,
+                                   TraceColumn::u_right, TraceColumn::v_right, TraceColumn::reaction_right}) {
     if (!is_asked(column)) continue;
     if (data == Data::any && !draw.chance(column == TraceColumn::u_left ? 0.7 : 0.4) &&
         !(study.traces.empty() && column == TraceColumn::u_right))

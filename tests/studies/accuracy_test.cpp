@@ -55,7 +55,7 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
       const AccuracyResult result =
           solve(study_of(rebound, {fmt::format("bar.viscosity={}", viscosity), fmt::format("accuracy.error={}", error),
                                    "accuracy.of=contact_times"}));
-      const double wrong = std::abs(opening_of(result.recording) - exact);
+      const double wrong = std::abs(opening_of(record(result.run)) - exact);
       EXPECT_TRUE(result.estimate.kept) << viscosity << " " << error << result.estimate.doubt;
       EXPECT_LE(wrong, error) << viscosity;
       EXPECT_LE(wrong, result.estimate.total + 1e-10) << viscosity << " " << error;
@@ -134,10 +134,11 @@ TEST(AccuracyOnRequest, AManufacturedContactKeepsTheDisplacementAskedForAtEveryN
     const AccuracyResult result = solve(study);
     EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
     double wrong = 0.0;
-    for (std::size_t k = 0; k < result.recording.times.size(); ++k)
-      for (std::size_t j = 0; j < result.recording.mesh.nodes(); ++j)
-        wrong = std::max(wrong, std::abs(result.recording.displacement(k)[j] -
-                                         known.u(result.recording.mesh.node(j), result.recording.times[k])));
+    const Recording recording = record(result.run);
+    for (std::size_t k = 0; k < recording.times.size(); ++k)
+      for (std::size_t j = 0; j < recording.mesh.nodes(); ++j)
+        wrong = std::max(wrong,
+                         std::abs(recording.displacement(k)[j] - known.u(recording.mesh.node(j), recording.times[k])));
     EXPECT_LE(wrong, error);
     EXPECT_LE(wrong, 2.0 * result.estimate.total);  // no bound
   }
@@ -156,7 +157,7 @@ TEST(AccuracyOnRequest, AMethodThatPenalisesStaysAndItsEpsilonIsChosen) {
     EXPECT_EQ(name(result.run.method), method);
     EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
     EXPECT_GT(result.estimate.penalty, 0.0);
-    EXPECT_LE(std::abs(opening_of(result.recording) - 1.9124710098), 1e-6);
+    EXPECT_LE(std::abs(opening_of(record(result.run)) - 1.9124710098), 1e-6);
   }
 }
 
@@ -168,7 +169,7 @@ TEST(AccuracyOnRequest, WhatTheSceneFixesIsKeptAndNamedWhereItForbidsTheError) {
     const AccuracyResult result = solve(study_of(rebound, {"accuracy.error=1e-6", setting}));
     EXPECT_FALSE(result.estimate.kept) << setting;
     EXPECT_NE(result.estimate.doubt.find(key), std::string::npos) << result.estimate.doubt;
-    EXPECT_TRUE(result.recording.statistics.completed);
+    EXPECT_TRUE(record(result.run).statistics.completed);
   }
 }
 
@@ -176,7 +177,7 @@ TEST(AccuracyOnRequest, AnUndampedBarIsFollowedByItsWavesAndTellsItsOwnError) {
   const AccuracyResult result = solve(study_of(rebound, {"bar.viscosity=0", "accuracy.error=1e-12"}));
   EXPECT_EQ(result.run.method, MethodName::characteristics);
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
-  EXPECT_NEAR(opening_of(result.recording), 2.0, 1e-12);
+  EXPECT_NEAR(opening_of(record(result.run)), 2.0, 1e-12);
 }
 
 TEST(AccuracyOnRequest, APeakThatHasNoLimitIsRefused) {
@@ -210,7 +211,7 @@ TEST(AccuracyOnRequest, ASceneThatNoMeshFollowsIsReportedAsSuchAndItsBestSolutio
   const AccuracyResult result = solve(study);
   EXPECT_FALSE(result.estimate.kept);
   EXPECT_FALSE(result.estimate.doubt.empty());
-  EXPECT_TRUE(result.recording.statistics.completed);
+  EXPECT_TRUE(record(result.run).statistics.completed);
 }
 
 // Order 2 from an impact on: 1e-14 m wants some 400,000 elements. A half of the most that are tried is their least.
@@ -258,7 +259,7 @@ TEST(AccuracyOnRequest, APenalisedSpanKeepsTheErrorBesideAFinerRunOfTheScheme) {
                                                           "mesh.elements=512", "method.step=5e-5"})
                          .run;
   const accuracy::Sample fine = accuracy::sample_of(truth, truth.output_times());
-  EXPECT_LE(accuracy::difference(sample_of(result.run, result.recording), fine, Goal::displacement), error);
+  EXPECT_LE(accuracy::difference(sample_of(result.run, record(result.run)), fine, Goal::displacement), error);
 }
 
 // Free ends meet it.
@@ -280,7 +281,7 @@ TEST(AccuracyOnRequest, ASchemeUnderASpanObstacleKeepsTheErrorOnTheLumpedMass) {
   EXPECT_EQ(resolve(result.run).mass, Mass::lumped);
   EXPECT_TRUE(result.estimate.kept) << result.estimate.doubt;
   EXPECT_LE(
-      accuracy::difference(sample_of(result.run, result.recording), on_the_floor("lumped", 512), Goal::displacement),
+      accuracy::difference(sample_of(result.run, record(result.run)), on_the_floor("lumped", 512), Goal::displacement),
       error);
 }
 
@@ -366,7 +367,7 @@ TEST(AccuracyOnRequest, AnUndampedBarOnAMeshKeepsTheErrorBesideItsWaves) {
   Case waves = result.run;
   waves.method = MethodName::characteristics;
   const accuracy::Sample exact = accuracy::sample_of(waves, waves.output_times());
-  EXPECT_LE(accuracy::difference(sample_of(result.run, result.recording), exact, Goal::displacement), 1e-2);
+  EXPECT_LE(accuracy::difference(sample_of(result.run, record(result.run)), exact, Goal::displacement), 1e-2);
 }
 
 // 40,000 elements to t = 50 take far longer than the half of a second that a check has, a hundredth of them does not.

@@ -49,9 +49,9 @@ TEST_P(MasslessNodes, ShareOneLimitWithTheRigidBarAndTheScheme) {
   const LimitResult result = limit_of(study_of(scene(), decades(1e-2, 1e-8)));
   const LimitOrders orders = only(result);
   EXPECT_EQ(orders.verdict, Verdict::converges);
-  ASSERT_TRUE(orders.penetration && orders.to_rigid);
+  ASSERT_TRUE(orders.penetration && orders.to_scheme_limit);
   EXPECT_NEAR(orders.penetration->order, 1.0, 0.03);
-  EXPECT_NEAR(orders.to_rigid->order, 1.0, 0.03);
+  EXPECT_NEAR(orders.to_scheme_limit->order, 1.0, 0.03);
   const double h = 1.0 / 27.0;
   EXPECT_EQ(orders.boundary.has_value(), GetParam() > 0.0);
   if (orders.boundary) {
@@ -90,9 +90,9 @@ TEST(Limit, WhereTheMeshResolvesTheLayerThePowerIsTwoThirds) {
   scene.step = 1e-4;
   // 100 h^3 = 1e-5; the law is that of epsilon -> 0.
   const LimitOrders orders = only(limit_of(study_of(scene, decades(1e-3, 1e-5, 2))));
-  ASSERT_TRUE(orders.penetration_layer && orders.to_rigid_layer);
+  ASSERT_TRUE(orders.penetration_layer && orders.to_scheme_limit_layer);
   EXPECT_NEAR(orders.penetration_layer->order, 2.0 / 3.0, 0.02);
-  EXPECT_NEAR(orders.to_rigid_layer->order, 2.0 / 3.0, 0.02);
+  EXPECT_NEAR(orders.to_scheme_limit_layer->order, 2.0 / 3.0, 0.02);
 }
 
 /// The power that the difference to the scheme follows over the two decades down to the least penalty asked for,

@@ -113,20 +113,20 @@ struct SweepRow {
   std::size_t index = 0;   ///< of the case in its plan
   bool completed = false;  ///< true if it reached the end of its time
   std::string error;       ///< empty when completed; cut off after longest_error bytes
-  /// The quantities, or the numbers of SweepPlan::bars; NaN where the case has no such value.
+  /// The numbers of SweepPlan::columns(); NaN where the case has no such value, and fewer where it has none behind
+  /// them.
   std::vector<double> values = std::vector<double>(quantities, std::numeric_limits<double>::quiet_NaN());
-  std::vector<double> joints{};       ///< that make the columns behind the quantities; NaN of a joint without a contact
-  std::vector<double> chosen{};       ///< that make the next columns; empty where no error is to be kept
-  std::vector<double> derivatives{};  ///< that make the last columns; empty: all NaN
-  double seconds = 0.0;               ///< wall clock of the whole case
-  double integration_seconds = 0.0;   ///< processor time of the method alone
+  double seconds = 0.0;              ///< wall clock of the whole case
+  double integration_seconds = 0.0;  ///< processor time of the method alone
 
   /// The value of a quantity.
   double& operator[](Quantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
   /// The value of a quantity.
   double operator[](Quantity quantity) const { return values[static_cast<std::size_t>(quantity)]; }
   /// Value in SweepPlan::columns()[k].
-  double column(std::size_t k) const;
+  double column(std::size_t k) const {
+    return k < values.size() ? values[k] : std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 /// The order in which cases are handed out, one whenever a worker is free: the most expensive first, so that no long

@@ -10,6 +10,7 @@
 #include "report/scene_ends.hpp"
 #include "results/csv.hpp"
 #include "results/json.hpp"
+#include "studies/touch.hpp"
 #include "text/printable_text.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/results/versions.hpp"
@@ -51,7 +52,7 @@ std::vector<Point> trace(const Recording& recording, Value value) {
 }
 
 std::string in_unit(const Comparison& check, std::string_view words, auto quantity) {
-  return NumberText(NumberText::For::page, check.runs[*check.reference].setup.run.scene).heading(words, quantity);
+  return NumberText::page(check.runs[*check.reference].setup.run.scene).heading(words, quantity);
 }
 
 Axis time_axis(const Comparison& check) {
@@ -66,7 +67,7 @@ struct Traces {
   Range range{};
 
   template <class Value>
-  Traces(const Comparison& check, Value value) : runs(finished(check)) {
+  Traces(std::vector<const MethodRun*> of, Value value) : runs(std::move(of)) {
     for (const MethodRun* run : runs) {
       lines.push_back(trace(*run->recording, [&](std::size_t k) { return value(*run->recording, k); }));
       range.add(lines.back());
@@ -84,7 +85,7 @@ Picture ends_picture(const Scene& scene, const Comparison& check) {
   std::vector<Panel> panels;
   for (const SceneEnd& end : ends_of(scene)) {
     const bool left = end.name == "left";
-    Traces traces(check, [&](const Recording& recording, std::size_t k) {
+    Traces traces(finished(check), [&](const Recording& recording, std::size_t k) {
       return left ? recording.displacement(k).front() : recording.displacement(k).back();
     });
     const std::vector<double>& times = traces.runs.front()->recording->times;
@@ -140,17 +141,8 @@ Picture differences_picture(const Comparison& check) {
 /// Times with at least one contact closed there.
 std::vector<Interval> contact_intervals(const Recording& recording, Where where) {
   plot::ThinnedIntervals all;
-  std::size_t closed = 0;
-  double begin = 0.0;
-  for (const Event& event : recording.events) {
-    if (event.where != where) continue;
-    if (event.change == Change::closing) {
-      if (closed++ == 0) begin = event.time;
-    } else if (closed > 0 && --closed == 0) {
-      all.add({begin, event.time});
-    }
-  }
-  if (closed > 0) all.add({begin, recording.times.back()});
+  for (const Touch& touch : touches(changes_at(recording.events, where), [](auto&&...) { return false; }))
+    all.add({touch.begin(), touch.end(recording.times.back())});
   return all.intervals();
 }
 
@@ -180,9 +172,11 @@ Picture reactions_picture(const Scene& scene, const Comparison& check) {
   std::vector<Panel> panels;
   for (const SceneEnd& end : ends_of(scene)) {
     if (!scene.span && !end.obstacle()) continue;
-    Traces traces(check, [&](const Recording& recording, std::size_t k) {
-      return end.name == "left" ? recording.reaction_left[k] : recording.reaction_right[k];
-    });
+    const auto reaction = end.name == "left" ? &Recording::reaction_left : &Recording::reaction_right;
+    std::vector<const MethodRun*> runs = finished(check);
+    std::erase_if(runs, [&](const MethodRun* run) { return ((*run->recording).*reaction).empty(); });
+    if (runs.empty()) continue;
+    Traces traces(std::move(runs), [&](const Recording& recording, std::size_t k) { return (recording.*reaction)[k]; });
     traces.range.add(0.0);
     const std::string axis = fmt::format("reaction, {}", end.name);
     Figure figure(time_axis(check), traces.range.axis(in_unit(check, axis, Dimension::force)), 240.0);
@@ -247,9 +241,7 @@ Json to_json(const MethodRun& run) {
   return json;
 }
 
-}  // namespace
-
-std::string compare_json(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
+std::string json_text_of(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
   const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
   Json json;
   json["title"] = scene.run.scene.title;
@@ -290,16 +282,8 @@ std::string compare_json(const SceneFile& scene, const MethodChoice& choice, con
   return json_text(json);
 }
 
-std::string compare_csv(const Comparison& check) {
-  return csv_of(pick(compare_columns(), {"method", "mass", "step", "relative_tolerance", "epsilon", "steps", "seconds",
-                                         "events", "max_penetration", "energy_final", "energy_dissipated",
-                                         "displacement_l2", "displacement_h1", "velocity_l2", "end_trace",
-                                         "events_matched", "largest_event_shift", "energy_difference", "error"}),
-                compared_runs(check, [&](std::size_t run) { return check.to_reference(run); }));
-}
-
-std::string compare_text(const MethodChoice& choice, const Comparison& check) {
-  const NumberText number(NumberText::For::terminal, check.runs.front().setup.run.scene);
+std::string terminal_text(const MethodChoice& choice, const Comparison& check) {
+  const NumberText number = NumberText::terminal(check.runs.front().setup.run.scene);
   std::string out = "Methods\n" + text(method_table(check, number));
   if (const Table differences = difference_table(check, number); !differences.rows.empty())
     out +=
@@ -310,8 +294,8 @@ std::string compare_text(const MethodChoice& choice, const Comparison& check) {
   return out;
 }
 
-PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
-  const NumberText number(NumberText::For::page, scene);
+PicturedPage page_of(const Scene& scene, const MethodChoice& choice, const Comparison& check) {
+  const NumberText number = NumberText::page(scene);
   Page page = Page::of_study(scene, choice.cases.empty() ? ", results beside each other" : ", by several methods");
   for (const MethodRun& run : check.runs)
     if (!run.recording)
@@ -336,6 +320,17 @@ PicturedPage compare_page(const Scene& scene, const MethodChoice& choice, const 
                          "<p class=\"note\">Bounces within a hundredth of the run count as one contact. "
                          "The impulse is that of the reaction.</p>\n");
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport compare_report(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
+  return {json_text_of(scene, choice, check), page_of(scene.run.scene, choice, check), terminal_text(choice, check),
+          csv_of(pick(compare_columns(), {"method", "mass", "step", "relative_tolerance", "epsilon", "steps", "seconds",
+                                          "events", "max_penetration", "energy_final", "energy_dissipated",
+                                          "displacement_l2", "displacement_h1", "velocity_l2", "end_trace",
+                                          "events_matched", "largest_event_shift", "energy_difference", "error"}),
+                 compared_runs(check, [&](std::size_t run) { return check.to_reference(run); }))};
 }
 
 }  // namespace viscobar

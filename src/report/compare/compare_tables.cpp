@@ -185,7 +185,7 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
     for (const Case& run : choice.cases)
       if (run.method == method)
         found.push_back(fmt::format("{} took the step {}: the scene has no method.step", name(method),
-                                    NumberText(NumberText::For::terminal, run.scene)(*run.step, Dimension::time, 4)));
+                                    NumberText::terminal(run.scene)(*run.step, Dimension::time, 4)));
   for (const auto& [method, reason] : choice.skipped)
     found.push_back(fmt::format("{} was left out: {}", name(method), reason));
   std::map<Mass, std::string> masses;

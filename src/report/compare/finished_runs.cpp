@@ -148,11 +148,13 @@ void take_nodes(Recording& recording, const Mesh& mesh) {
   recording.mesh = mesh, recording.u = std::move(u), recording.v = std::move(v);
 }
 
-// The account of the end is that of its only contact. Of several an integral over the output times is all there is.
-void take_impulses(Recording& recording, const std::vector<ContactPeriod>& periods, const Json& contact) {
+// The account of the end is that of its only contact, where that is over by then. Of several an integral over the
+// output times is all there is.
+void take_impulses(Recording& recording, const std::vector<ContactPeriod>& periods, const Json& contact, double until) {
   for (const Where where : {Where::left, Where::right}) {
     const auto of_end = contact.find(name(where));
     if (of_end == contact.end() || std::ranges::count(periods, where, &ContactPeriod::where) != 1) continue;
+    if (std::ranges::find(periods, where, &ContactPeriod::where)->end > until) continue;
     const double impulse = of_end->value("impulse", 0.0);
     std::ranges::find(recording.events, where, &Event::where)->impulse = 0.0;
     Event* last = nullptr;
@@ -161,18 +163,6 @@ void take_impulses(Recording& recording, const std::vector<ContactPeriod>& perio
     if (last->change == Change::opening) last->impulse = impulse;
     if (!recording.statistics.account) recording.statistics.account.emplace();
     (where == Where::left ? recording.statistics.account->left : recording.statistics.account->right).impulse = impulse;
-  }
-}
-
-// Accounts of a run that goes on are those of its end.
-void forget_the_rest(Recording& recording) {
-  recording.statistics.energy.reset();
-  recording.statistics.account.reset();
-  for (const Where where : {Where::left, Where::right}) {
-    const auto last = std::ranges::find(recording.events.rbegin(), recording.events.rend(), where, &Event::where);
-    if (last == recording.events.rend() || last->change == Change::opening) continue;
-    for (Event& event : recording.events)
-      if (event.where == where) event.impulse.reset();
   }
 }
 
@@ -206,7 +196,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     const bool ends_only = recording.mesh.elements == 1 || first.mesh.elements == 1;
     const bool whole = recording.times.back() == times.back();
     const double merge = 0.01 * (times.back() - times.front());
-    take_impulses(recording, contact_periods(recording, merge), contacts[k]);
+    take_impulses(recording, contact_periods(recording, merge), contacts[k], times.back());
     if (recording.times != times) {
       if (k > 0 || times.back() != recording.times.back())
         finished.remarks.push_back(
@@ -225,8 +215,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
         !tables.empty())
       finished.remarks.push_back(
           fmt::format("The scenes of {} and {} differ in {}", directories[0], directories[k], tables));
-    if (!whole) forget_the_rest(recording);
-    finished.runs[k].contacts = contact_periods(recording, merge);
+    if (!whole) recording.statistics.energy.reset();  // that of its end
   }
   finished.scene = std::move(scenes.front());
   return finished;

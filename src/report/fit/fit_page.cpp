@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "input/unit_of_key.hpp"
 #include "report/measured.hpp"
 #include "report/number_text.hpp"
 #include "report/page.hpp"
@@ -83,10 +82,10 @@ int digits_beside(double value, double error) {
   return static_cast<int>(std::clamp(digits, 1.0, double{most}));
 }
 
-Table estimates(const Scene& scene, const FitResult& result, const NumberText& number) {
+Table estimates(const FitResult& result, const NumberText& number) {
   Table table{{"parameter", "estimate", "half width, 95 %", "standard deviation"}, 1, {}};
   for (const Estimate& one : result.parameters) {
-    const UnitPowers unit = unit_of_key(one.key, scene).value_or(UnitPowers{});
+    const UnitPowers unit = number.unit_of(one.key);
     const double half_width = deviations_of_95(result) * one.standard_deviation;
     const auto of_error = [&](double error) {
       return std::isfinite(error) ? number(error, unit, 2) : one.at_bound ? "at its bound" : "not determined";
@@ -126,9 +125,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result, const Num
   return picture;
 }
 
-}  // namespace
-
-std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+std::string json_text_of(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const std::size_t n = result.parameters.size();
   Json json;
   json["title"] = scene.run.scene.title;
@@ -173,11 +170,11 @@ std::string fit_json(const SceneFile& scene, const FitStudy& study, const FitRes
   return study_json(std::move(json), remarks(study, result), scene);
 }
 
-std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
-  const NumberText number(NumberText::For::terminal, scene.run.scene);
+std::string terminal_text(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const NumberText number = NumberText::terminal(scene.run.scene);
   std::string out;
   for (const std::string& line : study.understood) out += line + ".\n";
-  out += (out.empty() ? "" : "\n") + text(estimates(scene.run.scene, result, number));
+  out += (out.empty() ? "" : "\n") + text(estimates(result, number));
   out += fmt::format("\n{}.\n{} numbers, {} runs of the model.\n", verdict(result), result.measured, result.runs);
   for (std::size_t i = 0; i < study.traces.size(); ++i) {
     const std::string column = name(study.traces[i].column, study.traces[i].place);
@@ -185,11 +182,11 @@ std::string fit_text(const SceneFile& scene, const FitStudy& study, const FitRes
                        number(root_mean_square(study.traces[i], result.traces[i]), unit_of_trace(column)));
   }
   for (const std::string& line : remarks(study, result)) out += line + ".\n";
-  return out;
+  return out + "\n";
 }
 
-PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
-  const NumberText number(NumberText::For::page, scene.run.scene);
+PicturedPage page_of(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  const NumberText number = NumberText::page(scene.run.scene);
   Page page = Page::of_study(scene.run.scene, ": fit");
   page.add_head(notes_html({"The numbers of this scene are those that the fit starts from"}));
   Numbers numbers;
@@ -197,12 +194,18 @@ PicturedPage fit_page(const SceneFile& scene, const FitStudy& study, const FitRe
   numbers.add("Runs of the model", result.runs);
   numbers.add("Residual", number(result.residual), "in the standard deviations of the data");
   page.add_section("The fit", fmt::format("<p>{}.</p>\n", sentence_html(verdict(result))) +
-                                  html(estimates(scene.run.scene, result, number)) + numbers.list());
+                                  html(estimates(result, number)) + numbers.list());
   page.add(traces_picture(study, result, number));
   const std::vector<std::string> notes = remarks(study, result);
   if (!notes.empty()) page.add_section("What speaks against it, and what the data do not tell", notes_html(notes));
   if (!study.understood.empty()) page.add_section("The data", notes_html(study.understood));
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport fit_report(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
+  return {json_text_of(scene, study, result), page_of(scene, study, result), terminal_text(scene, study, result)};
 }
 
 }  // namespace viscobar

@@ -189,9 +189,7 @@ Picture curves(const JudgeStudy& study, const JudgeResult& judgement, const Numb
   return picture;
 }
 
-}  // namespace
-
-std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgement) {
+std::string json_text_of(const PreparedJudgement& asked, const JudgeResult& judgement) {
   Json json = Json::object();
   json["title"] = asked.scene.run.scene.title;
   json["judged"] = Json::array();
@@ -244,9 +242,9 @@ std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgem
   return study_json(std::move(json), asked.warnings, asked.scene);
 }
 
-std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
+std::string terminal_text(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
-  const NumberText number(NumberText::For::terminal, asked.scene.run.scene);
+  const NumberText number = NumberText::terminal(asked.scene.run.scene);
   std::string out;
   for (const std::string& line : asked.understood) out += line + ".\n";
   out += "\n" + text(distances(study, judgement, number));
@@ -255,12 +253,12 @@ std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgem
   out += "\n";
   for (const std::string& line : sentences(study, judgement, number)) out += line + ".\n";
   for (const std::string& line : asked.warnings) out += line + ".\n";
-  return out;
+  return out + "\n";
 }
 
-PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement) {
+PicturedPage page_of(const PreparedJudgement& asked, const JudgeResult& judgement) {
   const JudgeStudy study = with_short_labels(asked.study);
-  const NumberText number(NumberText::For::page, asked.scene.run.scene);
+  const NumberText number = NumberText::page(asked.scene.run.scene);
   Page page = Page::of_study(asked.scene.run.scene, ": solutions of others");
   page.add_head(notes_html(sentences(study, judgement, number)));
   page.add_section("Distances", html(distances(study, judgement, number)));
@@ -271,6 +269,12 @@ PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judge
   notes.insert(notes.end(), asked.warnings.begin(), asked.warnings.end());
   page.add_section("The files", notes_html(notes));
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport judge_report(const PreparedJudgement& asked, const JudgeResult& judgement) {
+  return {json_text_of(asked, judgement), page_of(asked, judgement), terminal_text(asked, judgement)};
 }
 
 }  // namespace viscobar

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "viscobar/input/scene_file.hpp"
+#include "viscobar/report/reports.hpp"
 #include "viscobar/studies/judge/judge.hpp"
 
 namespace viscobar {
@@ -25,9 +25,6 @@ std::vector<Setting> of_the_bar_itself();
 /// @throws SceneError, std::invalid_argument
 PreparedJudgement prepared_judgement(const std::vector<std::vector<std::string>>& schemes, SceneFile scene);
 
-struct PicturedPage;
-std::string judge_json(const PreparedJudgement& asked, const JudgeResult& judgement);
-std::string judge_text(const PreparedJudgement& asked, const JudgeResult& judgement);
-PicturedPage judge_page(const PreparedJudgement& asked, const JudgeResult& judgement);
+StudyReport judge_report(const PreparedJudgement& asked, const JudgeResult& judgement);
 
 }  // namespace viscobar

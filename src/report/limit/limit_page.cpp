@@ -58,7 +58,7 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
   const LimitOrders& orders = result.orders[mesh];
   const auto rows = rows_of(result, mesh);
   const LimitTheory powers = theory(study);
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   const auto epsilon = [&](std::size_t i) { return rows[i].epsilon; };
   Json json = {{"elements", orders.elements},
                {"verdict", name(orders.verdict)},
@@ -68,14 +68,14 @@ Json to_json(const LimitStudy& study, const LimitResult& result, std::size_t mes
                {"small_epsilon",
                 {{"penetration", detailed(orders.penetration, epsilon)},
                  {"to_scheme", detailed(orders.to_scheme, epsilon)},
-                 {"to_rigid", detailed(orders.to_rigid, epsilon)},
+                 {"to_rigid", detailed(orders.to_scheme_limit, epsilon)},
                  {"to_own_limit", detailed(orders.to_own_limit, epsilon)},
                  {"to_scheme_limit", detailed(orders.to_scheme_limit, epsilon)},
                  {"theory_penetration", powers.penetration},
                  {"theory_difference", powers.difference}}},
                {"layer_resolved",
                 {{"penetration", detailed(orders.penetration_layer, epsilon)},
-                 {"to_rigid", detailed(orders.to_rigid_layer, epsilon)},
+                 {"to_rigid", detailed(orders.to_scheme_limit_layer, epsilon)},
                  {"theory", powers.layer}}},
                {"scheme_order", detailed(orders.of_step, [&](std::size_t i) { return orders.scheme[i].step; })},
                {"tolerance", orders.tolerance},
@@ -155,20 +155,18 @@ std::string numbers(const LimitStudy& study, const LimitResult& result, const Nu
   return all.html("The study");
 }
 
-}  // namespace
-
-std::string limit_json(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
-                       const CouplingResult& coupling) {
+std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                         const CouplingResult& coupling) {
   const std::size_t best = finest(result);
   const LimitOrders& orders = result.orders[best];
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+  const NumberText number = NumberText::terminal(study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = result.failed.empty() && std::ranges::none_of(result.orders, &LimitOrders::interrupted);
   json["verdict"] = name(orders.verdict);
   json["reason"] = verdict_reason(study, result, best, number);
   json["order_penetration"] = order_or_null(orders.penetration);
-  json["order_to_rigid"] = order_or_null(orders.to_rigid);
+  json["order_to_rigid"] = order_or_null(orders.to_scheme_limit);
   json["order_to_scheme"] = order_or_null(orders.to_scheme);
   json["sentence"] = limit_sentence(orders, number);
   json["budget"] = study.budget;
@@ -211,6 +209,59 @@ std::string limit_json(const SceneFile& scene, const LimitStudy& study, const Li
   return json_text(json);
 }
 
+std::string terminal_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  const NumberText number = NumberText::terminal(study.scene.scene);
+  std::string out = text(limit_table(result, number));
+  out += "\nObserved powers of epsilon\n" + text(order_table(study, result, number)) + "\n";
+  for (std::size_t m = 0; m < result.orders.size(); ++m) {
+    const LimitOrders& orders = result.orders[m];
+    if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
+    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, result, m, number));
+  }
+  if (study.estimate)
+    out += fmt::format("{} elements, at epsilon = 0: error of the mesh {}, the one asked for is {}kept.\n",
+                       result.orders[finest(result)].elements, number(study.estimate->total, Dimension::length, 2),
+                       study.estimate->kept ? "" : "not ");
+  if (result.own_motion)
+    out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion, number),
+                       text(own_motion_table(*result.own_motion, number)));
+  if (result.orders.size() > 1) {
+    out += fmt::format("\n{}\n", coupling_sentence(coupling, number));
+    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, number));
+  }
+  return out;
+}
+
+PicturedPage page_of(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
+  Page page = Page::of_study(study.scene.scene, ": the penalty limit");
+  const NumberText number = NumberText::page(study.scene.scene);
+  page.add_head(head(study, result, number));
+  page.add(numbers(study, result, number));
+  if (!result.rows.empty()) {
+    page.add(penetration_picture(study, result));
+    page.add(difference_picture(study, result));
+    page.add(events_picture(study, result));
+    page.add(cost_picture(study, result));
+  }
+  page.add_section(
+      "Observed powers of ε",
+      html(order_table(study, result, number)) +
+          "<p class=\"note\">Slopes over the settled range of the smallest ε, and how far they may be from "
+          "the power for ε → 0.</p>\n");
+  if (result.own_motion)
+    page.add_section("The bar's own motion",
+                     fmt::format("<p>{}</p>\n{}", sentence_html(own_motion_sentence(*result.own_motion, number)),
+                                 html(own_motion_table(*result.own_motion, number))));
+  if (result.orders.size() > 1)
+    page.add_section("Penalty and mesh in balance",
+                     fmt::format("<p>{}</p>\n{}", sentence_html(coupling_sentence(coupling, number)),
+                                 coupling.coupling ? html(coupling_table(*coupling.coupling, number)) : ""));
+  page.add_section("Every run", html(limit_table(result, number)));
+  return page.with_figures();
+}
+
+}  // namespace
+
 std::optional<LimitStudy> limit_asked(const std::string& json) try {
   const Json summary = Json::parse(json, nullptr, false);
   if (!summary.is_object() || !summary.contains("asked")) return std::nullopt;
@@ -240,55 +291,10 @@ std::string limit_row_text(const LimitRow& row) {
   return text;
 }
 
-std::string limit_text(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
-  std::string out = text(limit_table(result, number));
-  out += "\nObserved powers of epsilon\n" + text(order_table(study, result, number)) + "\n";
-  for (std::size_t m = 0; m < result.orders.size(); ++m) {
-    const LimitOrders& orders = result.orders[m];
-    if (result.orders.size() > 1) out += fmt::format("{} elements, ", orders.elements);
-    out += fmt::format("{}: {}.\n", name(orders.verdict), verdict_reason(study, result, m, number));
-  }
-  if (study.estimate)
-    out += fmt::format("{} elements, at epsilon = 0: error of the mesh {}, the one asked for is {}kept.\n",
-                       result.orders[finest(result)].elements, number(study.estimate->total, Dimension::length, 2),
-                       study.estimate->kept ? "" : "not ");
-  if (result.own_motion)
-    out += fmt::format("\n{}\n{}", own_motion_sentence(*result.own_motion, number),
-                       text(own_motion_table(*result.own_motion, number)));
-  if (result.orders.size() > 1) {
-    out += fmt::format("\n{}\n", coupling_sentence(coupling, number));
-    if (coupling.coupling) out += text(coupling_table(*coupling.coupling, number));
-  }
-  return out;
-}
-
-PicturedPage limit_page(const LimitStudy& study, const LimitResult& result, const CouplingResult& coupling) {
-  Page page = Page::of_study(study.scene.scene, ": the penalty limit");
-  const NumberText number(NumberText::For::page, study.scene.scene);
-  page.add_head(head(study, result, number));
-  page.add(numbers(study, result, number));
-  if (!result.rows.empty()) {
-    page.add(penetration_picture(study, result));
-    page.add(difference_picture(study, result));
-    page.add(events_picture(study, result));
-    page.add(cost_picture(study, result));
-  }
-  page.add_section(
-      "Observed powers of ε",
-      html(order_table(study, result, number)) +
-          "<p class=\"note\">Slopes over the settled range of the smallest ε, and how far they may be from "
-          "the power for ε → 0.</p>\n");
-  if (result.own_motion)
-    page.add_section("The bar's own motion",
-                     fmt::format("<p>{}</p>\n{}", sentence_html(own_motion_sentence(*result.own_motion, number)),
-                                 html(own_motion_table(*result.own_motion, number))));
-  if (result.orders.size() > 1)
-    page.add_section("Penalty and mesh in balance",
-                     fmt::format("<p>{}</p>\n{}", sentence_html(coupling_sentence(coupling, number)),
-                                 coupling.coupling ? html(coupling_table(*coupling.coupling, number)) : ""));
-  page.add_section("Every run", html(limit_table(result, number)));
-  return page.with_figures();
+StudyReport limit_report(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
+                         const CouplingResult& coupling) {
+  return {json_text_of(scene, study, result, coupling), page_of(study, result, coupling),
+          terminal_text(study, result, coupling), limit_csv(result)};
 }
 
 }  // namespace viscobar

@@ -19,7 +19,7 @@ using plot::Range;
 constexpr const char* soft = "var(--soft)";
 constexpr double margin = 1.3;  // room for the marks at either end
 
-NumberText on_page(const LimitStudy& study) { return NumberText(NumberText::For::page, study.scene.scene); }
+NumberText on_page(const LimitStudy& study) { return NumberText::page(study.scene.scene); }
 
 Axis epsilon_axis(const LimitStudy& study, const LimitResult& result) {
   const NumberText number = on_page(study);

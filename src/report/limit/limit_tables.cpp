@@ -195,7 +195,7 @@ const std::vector<Column<LimitRow>>& limit_columns() {
       column("events", "contact changes", &LimitRow::events),
       column("max_penetration", "largest penetration", &LimitRow::max_penetration).in(Dimension::length),
       column("difference_to_scheme", "to the scheme", &LimitRow::difference_to_scheme).in(Dimension::length),
-      column("difference_to_rigid", "to rigid", &LimitRow::difference_to_rigid, true).in(Dimension::length),
+      column("difference_to_rigid", "", &LimitRow::difference_to_scheme_limit, true),  // its name for scripts
       column("difference_to_own_limit", "to its own limit", &LimitRow::difference_to_own_limit, true)
           .in(Dimension::length),
       column("difference_to_scheme_limit", "to the scheme's limit", &LimitRow::difference_to_scheme_limit, true)
@@ -238,9 +238,9 @@ Table order_table(const LimitStudy& study, const LimitResult& result, const Numb
         {fmt::format("{}", o.elements), o.boundary ? "small epsilon, below " + boundary : "every epsilon",
          with_error(o.penetration), power(powers.penetration), with_error(o.to_own_limit), power(powers.penetration),
          plateau ? "a plateau" : with_error(o.to_scheme), power(powers.difference), with_error(o.of_step)});
-    if (!o.penetration_layer && !o.to_rigid_layer) continue;
+    if (!o.penetration_layer && !o.to_scheme_limit_layer) continue;
     table.rows.push_back({fmt::format("{}", o.elements), "layer resolved, above " + boundary,
-                          with_error(o.penetration_layer), power(powers.layer), with_error(o.to_rigid_layer),
+                          with_error(o.penetration_layer), power(powers.layer), with_error(o.to_scheme_limit_layer),
                           power(powers.layer), "-", "-", "-"});
   }
   return table;

@@ -38,6 +38,7 @@ std::string limit_sentence(const LimitOrders& orders, const NumberText& number);
 
 /// The columns of limit.json, of which limit.csv and the table take theirs.
 const std::vector<Column<LimitRow>>& limit_columns();
+std::string limit_csv(const LimitResult& result);
 Table limit_table(const LimitResult& result, const NumberText& number);
 Table order_table(const LimitStudy& study, const LimitResult& result, const NumberText& number);
 const std::vector<Column<OwnMotion::Mesh>>& own_motion_columns();

@@ -78,10 +78,8 @@ void for_each_advice(const PrecisionResult& result, const NumberText& number, au
       tell(methods + (meshes.size() > 1 ? fmt::format(" on {} elements", elements) : ""), text);
 }
 
-}  // namespace
-
-std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+std::string json_text_of(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
+  const NumberText number = NumberText::terminal(study.scene.scene);
   Json json;
   json["title"] = study.scene.scene.title;
   json["completed"] = std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
@@ -104,10 +102,8 @@ std::string precision_json(const SceneFile& scene, const PrecisionStudy& study, 
   return json_text(json);
 }
 
-std::string precision_csv(const PrecisionResult& result) { return csv_of(precision_columns(result), result.rows); }
-
-std::string precision_text(const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::terminal, study.scene.scene);
+std::string terminal_text(const PrecisionStudy& study, const PrecisionResult& result) {
+  const NumberText number = NumberText::terminal(study.scene.scene);
   std::string out = text(precision_table(result, number)) + "\n";
   for_each_advice(result, number, [&](const std::string& methods, const std::string& advised) {
     out += fmt::format("{}: {}.\n", methods, advised);
@@ -119,11 +115,11 @@ std::string precision_text(const PrecisionStudy& study, const PrecisionResult& r
     out += "\n";
     for (const std::string& line : lines) out += line + ".\n";
   }
-  return out;
+  return out + "\n";
 }
 
-PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& result) {
-  const NumberText number(NumberText::For::page, study.scene.scene);
+PicturedPage page_of(const PrecisionStudy& study, const PrecisionResult& result) {
+  const NumberText number = NumberText::page(study.scene.scene);
   Page page = Page::of_study(study.scene.scene, ": speed against error");
   std::string advised;
   for_each_advice(result, number, [&](const std::string& methods, const std::string& text) {
@@ -141,6 +137,13 @@ PicturedPage precision_page(const PrecisionStudy& study, const PrecisionResult& 
     references += fmt::format("<h2>Refinement of the reference</h2>\n{}", html(mesh_table(*result.reference, number)));
   page.add_section("What the errors are against", references + notes_html(remarks(study, result, number)));
   return page.with_figures();
+}
+
+}  // namespace
+
+StudyReport precision_report(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
+  return {json_text_of(scene, study, result), page_of(study, result), terminal_text(study, result),
+          csv_of(precision_columns(result), result.rows)};
 }
 
 }  // namespace viscobar

@@ -8,7 +8,6 @@
 
 #include "report/run/run_page.hpp"
 #include "report/scene_ends.hpp"
-#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -160,8 +159,8 @@ Picture axial_bar(const Case& run, const ReportData& data, const FieldColours& c
       walls.push_back(wall);
   }
   const double room = 0.05 * (range.high - range.low);
-  const Axis place{.label = with_unit(s == 1.0 ? "place x + u" : fmt::format("place x + {} u", readable(s)),
-                                      run.scene.units, Dimension::length),
+  const Axis place{.label = on_page(run).heading(s == 1.0 ? "place x + u" : fmt::format("place x + {} u", readable(s)),
+                                                 Dimension::length),
                    .low = range.low - room,
                    .high = range.high + room};
   const std::vector<std::size_t> rows = rows_of_few_times(field, 6);

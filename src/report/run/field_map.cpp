@@ -6,7 +6,6 @@
 
 #include "report/plot/png.hpp"
 #include "report/run/run_page.hpp"
-#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -51,8 +50,8 @@ FieldColours colours_of(const ThinnedField& field, const std::string& label, boo
   return {two_signs ? plot::diverging() : plot::sequential(), values, range};
 }
 
-plot::Axis time_axis(const ThinnedField& field, const Units& units) {
-  return {.label = with_unit("time t", units, Dimension::time),
+plot::Axis time_axis(const ThinnedField& field, const NumberText& number) {
+  return {.label = number.heading("time t", Dimension::time),
           .low = field.time(0),
           .high = field.time(field.rows() - 1),
           .link = "t"};
@@ -62,12 +61,13 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
                         std::string_view symbol) {
   const std::size_t width = pixels_of(field.rows(), 200, 480), height = pixels_of(field.x().size(), 100, 300);
   constexpr int colours = 255, touching = 255;
+  const NumberText number = NumberText::page(run.scene);
   const auto& [map, values, range, contact_up_to, contact_from] = colours_of_field;
   std::array<plot::Colour, 256> palette{};
   for (std::size_t i = 0; i < colours; ++i) palette[i] = map.at(static_cast<double>(i) / (colours - 1));
   palette[touching] = FieldColours::touching;
   std::vector<std::uint8_t> pixels(width * height);
-  const plot::Axis time = time_axis(field, run.scene.units);
+  const plot::Axis time = time_axis(field, number);
   const double length = run.scene.bar.length;
   std::vector<Place> in_time(width);
   for (std::size_t i = 0; i < width; ++i)
@@ -104,7 +104,7 @@ plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldC
                    });
   }
   const plot::Axis position{
-      .label = with_unit("position x", run.scene.units, Dimension::length), .low = 0.0, .high = length, .link = "x"};
+      .label = number.heading("position x", Dimension::length), .low = 0.0, .high = length, .link = "x"};
   plot::Figure figure(time, position, 400.0);
   figure.image(plot::png_data_uri(width, height, palette, pixels), {time.low, 0.0}, {time.high, length});
   // A strip a bar, its edge to be seen on light and on dark.

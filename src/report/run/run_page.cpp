@@ -5,7 +5,6 @@
 #include "case/regime.hpp"
 #include "report/number_text.hpp"
 #include "results/csv.hpp"
-#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 #include "text/table.hpp"
 
@@ -77,10 +76,10 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
   const Case& run = setup.run;
   if (!outcome.statistics || !outcome.statistics->account) return {};
   const RunAccount& account = *outcome.statistics->account;
-  const Units& units = run.scene.units;
-  Table table{{"where", "closings", with_unit("time in contact", units, Dimension::time),
-               with_unit("impulse of the reaction", units, Dimension::impulse),
-               with_unit("peak reaction", units, Dimension::force)},
+  const NumberText number = on_page(run);
+  Table table{{"where", "closings", number.heading("time in contact", Dimension::time),
+               number.heading("impulse of the reaction", Dimension::impulse),
+               number.heading("peak reaction", Dimension::force)},
               1,
               {}};
   const auto add = [&](std::string where, bool there, const auto& obstacle) {
@@ -105,10 +104,10 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
   return section_html("Contact", html(table) + notes_html(notes));
 }
 
-std::string event_section(const Units& units, const Outcome& outcome, const ReportData& data) {
+std::string event_section(const NumberText& number, const Outcome& outcome, const ReportData& data) {
   if (data.first_events.empty()) return {};
   Table table{
-      {with_unit("time", units, Dimension::time), "where", "change", with_unit("velocity", units, Dimension::velocity)},
+      {number.heading("time", Dimension::time), "where", "change", number.heading("velocity", Dimension::velocity)},
       3,
       {}};
   for (const Event& event : data.first_events)
@@ -172,9 +171,7 @@ std::string element_size(const Mesh& mesh, const NumberText& number) {
 }
 
 std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate) {
-  const auto with = [&](double value) {
-    return NumberText(NumberText::For::terminal, scene)(value, dimension_of(estimate.of), 2);
-  };
+  const auto with = [&](double value) { return NumberText::terminal(scene)(value, dimension_of(estimate.of), 2); };
   const std::string_view what = of_words(estimate.of).substr(std::string_view("of ").size());
   std::string text = fmt::format("{} in {}", with(estimate.total), what);
   if (estimate.largest > 0.0) text += " up to " + with(estimate.largest);
@@ -221,7 +218,7 @@ Page report_page(const Setup& setup, const BarSystem& system, const Outcome& out
     page.add(
         section_html(how_far, fmt::format("<p>There is no estimate: {}</p>\n", sentence_html(outcome.no_estimate))));
   page.add(contact_section(setup, system, outcome));
-  page.add(event_section(run.scene.units, outcome, data));
+  page.add(event_section(on_page(run), outcome, data));
   return page;
 }
 

@@ -22,7 +22,7 @@ void tell_whole_run(Page& page, double wall_seconds);
 /// The estimate of a run's error as rows of a terminal's table, name and value.
 std::vector<std::pair<std::string, std::string>> estimate_rows(const Scene& scene, const ErrorEstimate& estimate);
 
-inline NumberText on_page(const Case& run) { return NumberText(NumberText::For::page, run.scene); }
+inline NumberText on_page(const Case& run) { return NumberText::page(run.scene); }
 
 /// "h = 0.01 m", of unequal elements their mean and the smallest.
 std::string element_size(const Mesh& mesh, const NumberText& number);
@@ -39,7 +39,7 @@ struct FieldColours {
 /// Colours of a field. Values of two signs have a scale whose pale middle is zero, and so have all that are `about` it.
 FieldColours colours_of(const ThinnedField& field, const std::string& label, bool about_zero = false);
 
-plot::Axis time_axis(const ThinnedField& field, const Units& units);
+plot::Axis time_axis(const ThinnedField& field, const NumberText& number);
 
 /// A field over time, to the right, and space, upwards; `symbol` is what its values are called.
 plot::Figure map_figure(const Case& run, const ThinnedField& field, const FieldColours& colours,

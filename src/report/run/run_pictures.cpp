@@ -25,7 +25,7 @@ std::string obstacle_text(const Case& run, const ObstacleLevel& level) {
 }
 
 std::string displacement_label(const Case& run, std::string_view words) {
-  return with_unit(words, run.scene.units, Dimension::length);
+  return on_page(run).heading(words, Dimension::length);
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
     std::vector<ObstacleLevel> shown = levels_of(surface.empty() ? body : nullptr), span = levels_of(run.scene.span);
     for (std::vector<ObstacleLevel>* levels : {&shown, &span})
       std::erase_if(*levels, [&](const ObstacleLevel& level) { return !range.reach(level.u); });
-    Figure figure(time_axis(data.field, run.scene.units), range.axis(displacement_label(run, label)), 220.0);
+    Figure figure(time_axis(data.field, on_page(run)), range.axis(displacement_label(run, label)), 220.0);
     if (body || run.scene.span)
       figure.shade(contacts_of(end.name, outcome, data), plot::series_colour(colour), "in contact");
     for (const ObstacleLevel& level : shown)
@@ -161,7 +161,7 @@ plot::Figure over_time(const Case& run, const ReportData& data, const std::strin
   Range range;
   range.add(0.0);
   for (const TimeLine& line : lines) range.add(line.points);
-  Figure figure(time_axis(data.field, run.scene.units), range.axis(axis), height);
+  Figure figure(time_axis(data.field, on_page(run)), range.axis(axis), height);
   for (const TimeLine& line : lines) figure.line(line.points, line.style, line.name);
   return figure;
 }
@@ -173,8 +173,8 @@ Picture sensitivities(const Case& run, const ReportData& data) {
     const std::string& key = run.directions[k].key;
     picture.panels.push_back({fmt::format("sensitivity-{}", k + 1), "Sensitivity of the ends to " + key,
                               over_time(run, data,
-                                        with_unit("du / d " + key, unit_name(run.scene.units, Dimension::length,
-                                                                             unit_of_key(key, run.scene))),
+                                        with_unit("du / d " + key, squares(unit_name(run.scene.units, Dimension::length,
+                                                                                     unit_of_key(key, run.scene)))),
                                         220.0,
                                         {{left.points(), {plot::series_colour(0)}, "left end"},
                                          {right.points(), {plot::series_colour(1)}, "right end"}})});
@@ -196,9 +196,9 @@ Picture gauges(const Case& run, const ReportData& data) {
     stresses.push_back({data.readings[k].stress.points(), style, names[k]});
   }
   picture.panels = {{"gauge-displacements", "Displacement at the gauges",
-                     over_time(run, data, displacement_label(run, "u"), 220.0, displacements)},
+                     over_time(run, data, on_page(run).heading("u", Dimension::length), 220.0, displacements)},
                     {"gauge-stresses", "Stress at the gauges",
-                     over_time(run, data, with_unit("stress", run.scene.units, Dimension::stress), 220.0, stresses)}};
+                     over_time(run, data, on_page(run).heading("stress", Dimension::stress), 220.0, stresses)}};
   return picture;
 }
 
@@ -260,7 +260,6 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
     add(data.right, contacts_of("right", outcome, data), {plot::series_colour(1), !lines.empty(), 1.6}, "right end");
   if (run.scene.span) add(data.span, contacts_of_span(outcome, data), {plot::series_colour(2), false, 1.8}, "span");
   if (lines.empty()) return {};
-  const std::string axis = with_unit("reaction R", run.scene.units, Dimension::force);
   return {"Reactions",
           fmt::format(
               "Force of the obstacle on {}, at the output times, and of each contact at its closing, its peak and its "
@@ -268,7 +267,8 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
               !run.scene.span     ? "each end"
               : lines.size() == 1 ? "the whole span"
                                   : "each end and on the whole span"),
-          {{"reactions", "Reactions of the obstacles over time", over_time(run, data, axis, 240.0, lines)}}};
+          {{"reactions", "Reactions of the obstacles over time",
+            over_time(run, data, on_page(run).heading("reaction R", Dimension::force), 240.0, lines)}}};
 }
 
 Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& data) {
@@ -284,12 +284,12 @@ Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& 
     lines.push_back({std::move(points), {plot::series_colour(k), k % 2 == 1, 1.8}, fmt::format("joint {}", number)});
   }
   if (lines.empty()) return {};
-  const std::string axis = with_unit("force N", run.scene.units, Dimension::force);
   return {
       "Forces at joints",
       "Force that pushes the two sides of a joint apart, at the output times, and of each contact at its closing, its "
       "peak and its opening.",
-      {{"joints", "Forces at joints over time", over_time(run, data, axis, 240.0, lines)}}};
+      {{"joints", "Forces at joints over time",
+        over_time(run, data, on_page(run).heading("force N", Dimension::force), 240.0, lines)}}};
 }
 
 Picture energies(const Case& run, const ReportData& data) {
@@ -303,13 +303,13 @@ Picture energies(const Case& run, const ReportData& data) {
       lines.push_back({std::move(points), {plot::series_colour(k)}, name});
   }
   lines.back().style = {"var(--ink)", true, 1.6};  // the total
-  const std::string axis = with_unit("energy", run.scene.units, Dimension::energy);
   return {"Energy",
           fmt::format("{} The sum of the total and the dissipated energy changes by the work done on the bar only.{}",
                       data.has_springs() ? "Energy of the bar and that stored in the springs of the contacts."
                                          : "Kinetic and elastic energy of the bar.",
                       run.files.energy ? " energy.csv has the numbers." : ""),
-          {{"energy", "Energy over time", over_time(run, data, axis, 280.0, lines)}}};
+          {{"energy", "Energy over time",
+            over_time(run, data, on_page(run).heading("energy", Dimension::energy), 280.0, lines)}}};
 }
 
 }  // namespace viscobar

@@ -5,7 +5,6 @@
 
 #include "report/run/run_page.hpp"
 #include "report/scene_ends.hpp"
-#include "scene/unit_names.hpp"
 #include "text/number.hpp"
 
 namespace viscobar {
@@ -18,7 +17,7 @@ using plot::Range;
 }  // namespace
 
 FieldColours stress_colours(const Case& run, const ReportData& data) {
-  return colours_of(data.stress, with_unit("stress s", run.scene.units, Dimension::stress));
+  return colours_of(data.stress, on_page(run).heading("stress s", Dimension::stress));
 }
 
 namespace {
@@ -68,7 +67,7 @@ Picture end_tractions(const Case& run, const BarSystem& system, const Outcome& o
           fmt::format("Mean stress of the first and of the last element at the output times{}; tension is positive.",
                       with ? ", and the stress at the end where a contact closes, has its peak, and opens" : ""),
           {{"end-stress", "Stress of the first and the last element over time",
-            over_time(run, data, with_unit("stress s", run.scene.units, Dimension::stress), 240.0, lines)}}};
+            over_time(run, data, on_page(run).heading("stress s", Dimension::stress), 240.0, lines)}}};
 }
 
 }  // namespace viscobar

@@ -9,7 +9,6 @@ AccuracyResult solve(const AccuracyStudy& study) {
   AccuracyResult result;
   do {
     result.run = plan.next();
-    result.recording = record(result.run);
     result.estimate = plan.judge();
   } while (plan.again());
   return result;

@@ -134,9 +134,6 @@ double travel(const Sample& sample, Where end, std::size_t joint, double from, d
 }  // namespace
 
 Changes changes_that_matter(const Sample& sample, Where end, const Resolution& resolution, std::size_t joint) {
-  std::vector<const Event*> here;
-  for (const Event& event : sample.events)
-    if (event.where == end && (joint == 0 || event.node == joint)) here.push_back(&event);
   // A flight that is too low makes one contact of its neighbours.
   const auto low = [&](const Touch& one, const Touch& next) {
     const double from = one.end(sample.end), flight = next.begin() - from;
@@ -146,7 +143,7 @@ Changes changes_that_matter(const Sample& sample, Where end, const Resolution& r
   };
   Changes changes;
   const std::size_t index = index_of(end, joint);
-  for (const Touch& touch : touches(here, low)) {
+  for (const Touch& touch : touches(changes_at(sample.events, end, joint), low)) {
     const double begin = touch.begin(), until = touch.end(sample.end), rest = sample.end - until;
     if (std::abs(touch.impulse(sample.impulse[index])) < resolution.height * resolution.impedance ||
         until - begin < resolution.duration)

@@ -58,8 +58,6 @@ MethodRun attempt(const Contender& contender) {
     auto problem = fault(recording, result.setup.run);
     if (!problem) problem = overflow(recording.statistics);
     if (problem) throw std::invalid_argument(*problem);
-    const std::vector<double>& times = recording.times;
-    result.contacts = contact_periods(recording, 0.01 * (times.back() - times.front()));
     result.recording = std::move(recording);
   } catch (const std::exception& error) {
     result.error = error.what();
@@ -128,8 +126,11 @@ Comparison compare(std::vector<MethodRun> runs) {
   Comparison result;
   result.runs = std::move(runs);
   for (std::size_t i = 0; i < count; ++i) {
-    result.runs[i].index = i;
-    if (!result.runs[i].recording) continue;
+    MethodRun& run = result.runs[i];
+    run.index = i;
+    if (!run.recording) continue;
+    const std::vector<double>& times = run.recording->times;
+    run.contacts = contact_periods(*run.recording, 0.01 * (times.back() - times.front()));
     if (!result.reference) result.reference = i;
     for (std::size_t j = i + 1; j < count; ++j) {
       const MethodRun &first = result.runs[i], &other = result.runs[j];

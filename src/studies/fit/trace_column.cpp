@@ -7,28 +7,32 @@
 
 namespace viscobar {
 
+namespace {
+
+constexpr std::string_view column_names[] = {
+    "u_left", "v_left",  "reaction_left", "u_right", "v_right",  "reaction_right", "u@",
+    "v@",     "strain@", "stress@",       "u_left:", "u_right:", "force:"};
+
+bool has_place(std::string_view name) { return name.ends_with('@') || name.ends_with(':'); }
+
+}  // namespace
+
+std::span<const std::string_view> trace_column_names() { return column_names; }
+
 std::string name(TraceColumn column, double place) {
-  constexpr std::string_view names[] = {
-      "u_left", "v_left",  "reaction_left", "u_right", "v_right",  "reaction_right", "u@",
-      "v@",     "strain@", "stress@",       "u_left:", "u_right:", "force:"};
-  const std::string_view own = names[static_cast<std::size_t>(column)];
-  return own.ends_with('@') || own.ends_with(':') ? fmt::format("{}{}", own, place) : std::string(own);
+  const std::string_view own = column_names[static_cast<std::size_t>(column)];
+  return has_place(own) ? fmt::format("{}{}", own, place) : std::string(own);
 }
 
 std::optional<std::pair<TraceColumn, double>> trace_column(std::string_view text) {
-  for (const TraceColumn column : all_trace_columns)
-    if (name(column) == text) return std::pair(column, 0.0);
-  const std::size_t at = text.find_first_of("@:");
-  const auto place = at == text.npos ? std::nullopt : number_in<double>(text.substr(at + 1));
-  if (!place || !std::isfinite(*place)) return std::nullopt;
-  for (const auto& [quantity, column] : {std::pair{"u@", TraceColumn::u_at},
-                                         {"v@", TraceColumn::v_at},
-                                         {"strain@", TraceColumn::strain_at},
-                                         {"stress@", TraceColumn::stress_at},
-                                         {"u_left:", TraceColumn::u_left_of},
-                                         {"u_right:", TraceColumn::u_right_of},
-                                         {"force:", TraceColumn::force_of}})
-    if (text.substr(0, at + 1) == quantity) return std::pair(column, *place);
+  for (std::size_t k = 0; k < std::size(column_names); ++k) {
+    const auto column = static_cast<TraceColumn>(k);
+    if (text == column_names[k] && !has_place(text)) return std::pair(column, 0.0);
+    const auto place = has_place(column_names[k]) && text.starts_with(column_names[k])
+                           ? number_in<double>(text.substr(column_names[k].size()))
+                           : std::nullopt;
+    if (place && std::isfinite(*place)) return std::pair(column, *place);
+  }
   return std::nullopt;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "studies/compare/matching.hpp"
 #include "studies/touch.hpp"
@@ -32,17 +31,8 @@ struct Spot {
 // Times from `begin` to `end` in which a node of the obstacle, or the joint, is in contact, flights shorter than
 // `merge` left out.
 Periods periods_of(std::span<const Event> all, Where where, std::size_t joint, double begin, double end, double merge) {
-  std::vector<const Event*> changes;  // of the nodes as one
-  std::set<std::size_t> closed;
-  for (const Event& event : all) {
-    if (event.where != where || event.time > end || (joint > 0 && event.node != joint)) continue;
-    const bool flew = closed.empty(), closes = event.change == Change::closing;
-    if (closes)
-      closed.insert(event.node);
-    else
-      closed.erase(event.node);
-    if (closes ? flew : closed.empty()) changes.push_back(&event);
-  }
+  const auto until = std::ranges::upper_bound(all, end, {}, &Event::time);
+  const std::vector<const Event*> changes = changes_at({all.begin(), until}, where, joint);
   const auto close = [&](const Touch& one, const Touch& next) { return next.begin() - one.end(end) < merge; };
   Periods periods;
   for (const Touch& touch : touches(changes, close))

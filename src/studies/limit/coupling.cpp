@@ -100,7 +100,7 @@ CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result
         orders.elements, spacings[i], scale * error->constant * std::pow(sizes[i], error->order), {}, 0.0};
     Sequence distances;
     for (const LimitRow& row : std::span(result.rows).subspan(orders.first_row, orders.row_count))
-      distances.add(row.epsilon, rigid ? *row.difference_to_rigid : row.difference_to_scheme,
+      distances.add(row.epsilon, rigid ? *row.difference_to_scheme_limit : row.difference_to_scheme,
                     rigid ? orders.tolerance_error : orders.scheme_error);
     if (const auto row = distances.around(mesh.mesh_error)) {
       mesh.epsilon = distances.where(mesh.mesh_error);

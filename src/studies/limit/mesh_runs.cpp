@@ -256,7 +256,7 @@ LimitRow row_of(const MeshRuns& mesh, const Run& penalised) {
   row.events = traces.events.size();
   row.max_penetration = traces.statistics.max_penetration;
   if (const KnownLimit* limit = mesh.scheme_limit())
-    row.difference_to_rigid = row.difference_to_scheme_limit = largest_difference(traces, limit->run.traces);
+    row.difference_to_scheme_limit = largest_difference(traces, limit->run.traces);
   if (const KnownLimit* limit = mesh.own_limit())
     row.difference_to_own_limit = largest_difference(traces, limit->run.traces);
   row.steps = traces.statistics.steps;

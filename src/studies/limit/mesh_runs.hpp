@@ -129,6 +129,19 @@ MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Pur
 /// Runs the limits again at a tolerance a hundredth of theirs; whether that changed anything.
 bool tighten(MeshRuns& mesh, Purse& purse);
 
+/// Error of the time integration in a difference of runs.
+double tolerance_error(const MeshRuns& mesh);
+/// zeta ~ 1 of an end node on its spring 1 / epsilon; under a span the spring is h / epsilon. Absent without viscosity,
+/// and of bars in line, whose joints have their own.
+std::optional<double> boundary_of(const Case& run);
+
+/// Judges the mesh, and runs more until the verdict is known, nothing more can be learnt, or the budget does not allow
+/// the next run: decide.cpp.
+void decide(MeshRuns& mesh, const LimitStudy& study, Purse& purse);
+/// So small a step that the distances to the scheme show the penalty's order over the epsilons asked for, or as many of
+/// them as a small part of the budget buys. A finer run may tell its own error so much better that the rest is cheap.
+void refine_scheme(MeshRuns& mesh, const LimitStudy& study, Purse& purse);
+
 /// The row of a penalised run, its distance to the scheme apart.
 LimitRow row_of(const MeshRuns& mesh, const Run& penalised);
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "viscobar/case/accuracy.hpp"
-#include "viscobar/case/recording.hpp"
+#include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
@@ -39,9 +39,8 @@ struct AccuracyStudy {
 
 /// The finest solution.
 struct AccuracyResult {
-  Case run;                ///< with what was chosen
-  Recording recording;     ///< of it
-  ErrorEstimate estimate;  ///< of the recording
+  Case run;                ///< with what was chosen; record() runs it
+  ErrorEstimate estimate;  ///< of its solution
 };
 
 /// Chooses method, mass, elements, penalty and tolerance, runs, estimates the error, and goes on until the estimate

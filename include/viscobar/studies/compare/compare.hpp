@@ -71,7 +71,7 @@ struct Comparison {
 /// the same time). A run that fails, or a recording that does not fit its case, is reported and leaves the others
 /// standing.
 Comparison compare(std::span<const Contender> contenders, std::size_t threads = 0);
-/// The same of runs that are there, of one mesh and the same output times.
+/// The same of runs that are there, of one mesh and the same output times; their contacts are found here.
 Comparison compare(std::vector<MethodRun> runs);
 /// The same for built-in methods.
 Comparison compare(std::span<const Case> cases, std::size_t threads = 0);

@@ -31,10 +31,8 @@ enum class TraceColumn {
   u_right_of,
   force_of
 };
-/// Those of ends.csv, in the order of the enumeration.
-inline constexpr TraceColumn all_trace_columns[] = {TraceColumn::u_left,        TraceColumn::v_left,
-                                                    TraceColumn::reaction_left, TraceColumn::u_right,
-                                                    TraceColumn::v_right,       TraceColumn::reaction_right};
+/// Their names in headers, in the order of the enumeration; one that ends with "@" or ":" is followed by a place.
+std::span<const std::string_view> trace_column_names();
 /// True if it is of a joint, whose number is its place.
 inline bool is_of_joint(TraceColumn column) { return column >= TraceColumn::u_left_of; }
 /// True if it is of a gauge.

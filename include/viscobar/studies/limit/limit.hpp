@@ -43,9 +43,8 @@ struct LimitRow {
   double max_penetration = 0.0;  ///< max over time and contacts, >= 0
   /// max over comparison_times() and traces of |u - u_scheme|, at the smallest step
   double difference_to_scheme = 0.0;
-  std::optional<double> difference_to_rigid;         ///< to `rigid` with the scene's restitution, or 0
   std::optional<double> difference_to_own_limit;     ///< to P(0)
-  std::optional<double> difference_to_scheme_limit;  ///< to S(0)
+  std::optional<double> difference_to_scheme_limit;  ///< to S(0): `rigid` with the scene's restitution, or 0
   std::size_t steps = 0;                             ///< of the integrator
   double seconds = 0.0;                              ///< of the integration alone
 };
@@ -134,7 +133,6 @@ struct LimitOrders {
   std::optional<double> boundary;
   /// Powers of epsilon as epsilon goes to 0, where they settle (see Sequence).
   std::optional<SequenceOrder> penetration;
-  std::optional<SequenceOrder> to_rigid;         ///< of difference_to_rigid
   std::optional<SequenceOrder> to_scheme;        ///< of difference_to_scheme
   std::optional<SequenceOrder> to_own_limit;     ///< of difference_to_own_limit
   std::optional<SequenceOrder> to_scheme_limit;  ///< of difference_to_scheme_limit
@@ -142,12 +140,12 @@ struct LimitOrders {
   /// Where the mesh resolves the contact layer: of a settled range whose middle lies above the boundary, before
   /// another.
   std::optional<SequenceOrder> penetration_layer;
-  std::optional<SequenceOrder> to_rigid_layer;  ///< of difference_to_rigid there
-  Verdict verdict = Verdict::undecided;         ///< on this mesh
-  LimitEvidence evidence;                       ///< that it rests on
-  bool interrupted = false;                     ///< from outside
-  double seconds = 0.0;                         ///< of the processor, of the study so far
-  std::optional<double> lacking_seconds;        ///< that the next run would have taken, more than the budget had left
+  std::optional<SequenceOrder> to_scheme_limit_layer;  ///< of difference_to_scheme_limit there
+  Verdict verdict = Verdict::undecided;                ///< on this mesh
+  LimitEvidence evidence;                              ///< that it rests on
+  bool interrupted = false;                            ///< from outside
+  double seconds = 0.0;                                ///< of the processor, of the study so far
+  std::optional<double> lacking_seconds;  ///< that the next run would have taken, more than the budget had left
 };
 
 /// The limits on a sequence of meshes against the bar's own motion, that of the fourth-order mass on twice the finest
@@ -185,6 +183,10 @@ std::vector<double> decades(double first, double last, std::size_t per_decade = 
 
 /// 1e-2 to 1e-8 times natural_epsilon(): what a study has that names no penalties.
 std::vector<double> natural_penalties(const Scene& scene, std::size_t per_decade = 1);
+
+/// Why a scene has no penalty limit: nothing to touch, or a stop with a law of its own, whose key it names. Absent: it
+/// has one.
+std::optional<Finding> limit_fault(const Scene& scene);
 
 /// Runs the study, independent runs on all cores. The tolerance is the scene's, but at most 1e-10 where that costs
 /// little of the budget. The scheme starts at steps 10^(2/3), 10^(1/3) and 1 times the given one: a contact closes on
