@@ -296,9 +296,9 @@ class Run : Books {
     if (energy_flows()) add(flow_until(sigma));
     if (ends_) {
       // A series of that degree is the motion to rounding, since (rate bound) * step <= 1.
-      ends_->look_at(
-          t_, t, Bernstein::max_degree,
-          [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); }, no_rates);
+      const auto sample = [&](std::size_t, double at) { return end_sample(series, (at - t_) / tau, tau); };
+      ends_->look_at(t_, t, Bernstein::max_degree, sample, no_rates);
+      ends_->look_at_joints(t_, t, Bernstein::max_degree, sample);
       ends_->add();
     }
     const VectorXd u = leg().displacement(series, sigma), v = leg().velocity(series, sigma, tau);
