@@ -29,6 +29,13 @@ double window_of(const std::vector<LineBar>& bars) {
   return window;
 }
 
+NextBreak along(const NextBreak& places, double begin) {
+  return [places, begin](double after, double until) -> std::optional<double> {
+    const auto at = places(begin + after, begin + until);
+    return at ? std::optional(*at - begin) : std::nullopt;
+  };
+}
+
 std::vector<Junction> junctions_of(const Scene& scene, const std::vector<LineBar>& bars, double window, double start,
                                    const std::vector<InitialData>* data, std::vector<std::vector<BodyPlace>>* places) {
   std::vector<Junction> junctions(1, Junction(window, start));

@@ -28,13 +28,6 @@ std::unique_ptr<LoadGain> load_of(const Scene& scene, const LineBar& line, doubl
 
 }  // namespace
 
-NextBreak along(const NextBreak& places, double begin) {
-  return [places, begin](double after, double until) -> std::optional<double> {
-    const auto at = places(begin + after, begin + until);
-    return at ? std::optional(*at - begin) : std::nullopt;
-  };
-}
-
 Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span<const double> times,
          const Characteristics& method, const Observers& observers, double most_work)
     : scene_(scene),
