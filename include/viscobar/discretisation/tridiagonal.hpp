@@ -123,7 +123,7 @@ void row_values(std::size_t n, auto&& at, std::span<double> values) {
 
 /// A pivot of a matrix is not positive: it is not positive definite, or not all numbers.
 struct NotPositive : std::domain_error {
-  explicit NotPositive(const BandedMatrix& matrix);
+  explicit NotPositive(const BandedMatrix& matrix);  ///< of that one
   bool finite;  ///< all entries are numbers, an infinite one of the diagonal among them
 };
 
@@ -170,6 +170,7 @@ class TridiagonalFactorOf {
 };
 extern template class TridiagonalFactorOf<double>;
 extern template class TridiagonalFactorOf<long double>;
+/// The factor in double numbers.
 using TridiagonalFactor = TridiagonalFactorOf<double>;
 
 /// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add

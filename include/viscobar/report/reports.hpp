@@ -34,10 +34,14 @@ struct StudyReport {
   std::string csv = {};  ///< the rows; empty where there is no such file
 };
 
+/// Report of `viscobar compare`, of the methods that were chosen.
 StudyReport compare_report(const SceneFile& scene, const MethodChoice& choice, const Comparison& check);
+/// Report of `viscobar limit`, of the penalty and of the mesh with it.
 StudyReport limit_report(const SceneFile& scene, const LimitStudy& study, const LimitResult& result,
                          const CouplingResult& coupling);
+/// Report of `viscobar precision`.
 StudyReport precision_report(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result);
+/// Report of `viscobar fit`.
 StudyReport fit_report(const SceneFile& scene, const FitStudy& study, const FitResult& result);
 
 /// Options of the study whose limit.json this is: penalties, meshes, steps, tolerance, budget, derivatives.
