@@ -86,7 +86,7 @@ inline void LegStepper::take_forms(std::span<const LinearForm> forms) {
     form_entries_.insert(form_entries_.end(), form.entries.begin(),
                          form.entries.begin() + static_cast<std::ptrdiff_t>(form.count));
   std::ranges::sort(form_entries_);
-  form_entries_.erase(std::ranges::unique(form_entries_).begin(), form_entries_.end());
+  form_entries_.erase(std::unique(form_entries_.begin(), form_entries_.end()), form_entries_.end());
   for (LinearForm& form : forms_)
     for (std::size_t& entry : form.entries)
       entry = static_cast<std::size_t>(std::ranges::lower_bound(form_entries_, entry) - form_entries_.begin());
