@@ -158,9 +158,21 @@ double Bernstein::excess(std::size_t degree) {
 }
 
 double Bernstein::steepest(std::size_t degree) {
-  constexpr std::array<double, max_degree + 1> largest_row = {0.0,   2.0,   8.0,    20.0,   43.0,   86.0,  167.0,
-                                                              323.0, 625.0, 1215.0, 2374.0, 4659.0, 9178.0};
-  return largest_row[degree];
+  static const std::array<double, max_degree + 1> largest = [] {
+    std::array<double, max_degree + 1> all{};
+    for (std::size_t q = 0; q <= max_degree; ++q) {
+      std::array<double, max_degree + 1> samples{};
+      Padded sum = Padded::Zero();
+      for (std::size_t j = 0; j <= q; ++j) {
+        samples[j] = 1.0;
+        sum += Padded::Map(slopes(std::span(samples).first(q + 1)).data()).abs();
+        samples[j] = 0.0;
+      }
+      all[q] = sum.maxCoeff();
+    }
+    return all;
+  }();
+  return largest[degree];
 }
 
 namespace {

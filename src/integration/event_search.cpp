@@ -393,7 +393,6 @@ bool EventSearch::look_at_the_near(std::span<const PointValues> forms) {
   if (!by_entries_.empty()) {
     select_entries(looked_at_);
     if (stepper_.hull(lowest_, highest_, last_)) std::erase_if(looked_at_, [this](std::size_t i) { return far(i); });
-    for (const std::size_t i : looked_at_) look_up(i);
     select_entries(looked_at_);
     find_rated();
   }

@@ -97,7 +97,7 @@ void JointForces::strike(std::size_t contact, double impulse, std::span<const do
 }
 
 void JointForces::add(double from, double to, std::size_t order, std::span<const PointValues> forms, bool peaks) {
-  if (!(to > from)) return;
+  if (!(to > from) || !closed()) return;
   const bool by_history =
       std::ranges::any_of(joints_, [](const Joint& joint) { return joint.load_factor.has_value(); });
   // Time by time, since a load is evaluated once for all that ask for it at one time.

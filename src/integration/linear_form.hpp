@@ -9,6 +9,7 @@
 
 namespace viscobar {
 
+/// Values at so many points, as a vector.
 template <std::size_t lanes>
 using Points = Eigen::Array<double, static_cast<int>(lanes), 1>;
 

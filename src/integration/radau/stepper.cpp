@@ -31,6 +31,12 @@ double farthest(const PenalisedSystem& system) {
   return 1e6 * bar.length * bar.slowness();
 }
 
+// Parts of a step, of whole vectors.
+const Samples& points_of_step() {
+  static const Samples parts_of_step = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
+  return parts_of_step;
+}
+
 class Stepper final : public LegStepper {
  public:
   Stepper(const StepperParts& run, const Tolerance& tolerance)
@@ -143,7 +149,7 @@ class Stepper final : public LegStepper {
   // Their weights are the same in each step.
   std::span<const PointValues> samples(double, double, int derivative, std::span<const std::size_t> asked) override {
     const Formula& formula = Formula::get();
-    static const Samples theta = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
+    const Samples& theta = points_of_step();
     std::vector<PointValues>& points = points_[derivative == 0 ? 0 : 1];
     const std::size_t n = layout_.nodes;
     for (const std::size_t k : derivative == 0 ? std::span<const std::size_t>(selected_) : asked) {
@@ -163,9 +169,8 @@ class Stepper final : public LegStepper {
   std::span<const PointValues> form_samples(double begin, double end) override {
     if (forms_.empty()) return {};
     const Formula& formula = Formula::get();
-    static const Samples whole = Samples::LinSpaced(0.0, (stages + lanes - 1.0) / stages);
     if (begin == begin_t_ && end == end_t_)
-      sample_forms(whole, formula.samples(0, true), formula.samples(0, false));
+      sample_forms(points_of_step(), formula.samples(0, true), formula.samples(0, false));
     else
       sample_forms_of_part(begin, end);
     return form_points_;
