@@ -130,8 +130,9 @@ void JointForces::add(Joint& joint, double to, double length, std::size_t order,
   if (!peaks) return;
   double rounding = 0.0;
   if (!contact.by_law) {
-    // The first steps behind a change are so short that the rounding of the momentum shows in its rate.
-    rounding = std::numeric_limits<double>::epsilon() * joint.momentum * Bernstein::steepest(order) / length;
+    // The first steps behind a change are so short that the rounding of the momentum shows in its rate: some roundings,
+    // since a method adds its correction to what it predicts.
+    rounding = 8.0 * std::numeric_limits<double>::epsilon() * joint.momentum * Bernstein::steepest(order) / length;
     const PointValues inertia = Bernstein::slopes(used(momentum));
     all(force) += all(inertia) / length;
   }
