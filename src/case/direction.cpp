@@ -243,12 +243,10 @@ Direction direction(const Case& run, std::string_view key) {
   *place = 1.0;
   const auto of_chain = member_key("bar", key);
   if (of_chain && of_chain->second == "length") {
-    if (scene.side)
-      refuse("side is of x along all bars, which does not go with one of them; take fit without derivatives");
     const std::size_t m = of_chain->first - 1;
     const Member& member = scene.chain[m];
     const double length = member.bar.length;
-    if (scene.load) {
+    if (scene.load || scene.side) {
       *place = 0.0;
       along.beside = beside(run, share_of_difference * length, [&](Scene& longer, double by) {
         Member& own = longer.chain[m];
@@ -269,7 +267,6 @@ Direction direction(const Case& run, std::string_view key) {
     data.velocity = viscobar::along(data.chain, &Member::velocity);
   }
   if (key == "bar.length") {
-    if (scene.section && scene.side) refuse("the section depends on it, along which [side] resists");
     if (scene.section) vary_sections(along, run, {carried(scene.section, scene.bar.length)});
     if (scene.side)
       along.data.side =

@@ -139,9 +139,6 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
         rates[k] = [](double) { return 1.0; };
       else if (const SpaceTimeFunction slope = formula && parameter ? formula->derivative(by) : nullptr)
         rates[k] = [slope](double x) { return slope(x, 0.0); };
-    if (run.scene.side && std::ranges::any_of(rates, [](const SpaceFunction& rate) { return bool(rate); }))
-      throw std::invalid_argument(fmt::format(
-          "{}: no sensitivity with respect to it: the section depends on it, along which [side] resists", key));
     vary_sections(along, run, rates);
   }
   along.key = key;
@@ -163,9 +160,10 @@ Direction direction_of(const SceneEntries& entries, const Case& run, const std::
   if (!run.scene.chain.empty()) differentiate_chain(entries, by, of_member ? member->first : 0, along.data);
   if (!of_member) along.data.load = rate_of_load(entries, by, size, length ? 1.0 / size : 0.0);
   along.data.side.reset();
+  // The length of one of several bars moves the others: its scenes beside have the side at their own x.
   const auto rate_of_side = [&](const char* name) -> SpaceFunction {
     const auto formula = entries.formula(name);
-    return run.scene.side && formula && formula->derivative(by) ? rate_of_x(*formula, by, size) : nullptr;
+    return run.scene.side && !of_member && formula && formula->derivative(by) ? rate_of_x(*formula, by, size) : nullptr;
   };
   if (SideResistance rates{rate_of_side("side.stiffness"), rate_of_side("side.drag")}; rates.stiffness || rates.drag) {
     rates.stiffness_places = run.scene.side->stiffness_places, rates.drag_places = run.scene.side->drag_places;

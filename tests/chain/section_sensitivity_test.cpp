@@ -55,16 +55,20 @@ void expect_derivative(const std::string& text, const std::string& key, double v
 const std::string rest =
     "[time]\nend = 2.0\n[output]\nevery = 0.1\n[contact]\nepsilon = 1e-2\nrestitution = 0.3\n[parameters]\nb = 0.8\nc = 0.5\n";
 
+// k'' is not 0, so that a number of the side that stays behind at its node shows.
+const std::string side = "[side]\nstiffness = \"2+x^2\"\ndrag = \"0.3+0.2*sin(x)\"\n";
+
 TEST(SectionSensitivities, OfOneBarAreDifferencesOfRuns) {
   const std::string horn =
       "[bar]\nlength = 1.0\nviscosity = 0.1\nsection = \"exp(b*x)\"\n[left]\nkind = \"obstacle\"\ngap = 0.1\nmass = 0.1\n[initial]\n"
       "velocity = \"-1-0.3*x\"\n[load]\nprofile = \"-0.5-x\"\nhistory = \"cos(3*t)\"\n[mesh]\nelements = 10\n" +
       rest;
-  for (const char* method : {"rigid", "cvode", "ida", "arkode"}) {
-    expect_derivative(horn, "parameters.b", 0.8, method);
-    expect_derivative(horn, "bar.length", 1.0, method);
-    expect_derivative(horn, "bar.modulus", 1.0, method);
-  }
+  for (const std::string& scene : {horn, horn + side})
+    for (const char* method : {"rigid", "cvode", "ida", "arkode"}) {
+      expect_derivative(scene, "parameters.b", 0.8, method);
+      expect_derivative(scene, "bar.length", 1.0, method);
+      expect_derivative(scene, "bar.modulus", 1.0, method);
+    }
 }
 
 TEST(SectionSensitivities, OfBarsInLineAreDifferencesOfRuns) {
@@ -74,13 +78,14 @@ TEST(SectionSensitivities, OfBarsInLineAreDifferencesOfRuns) {
       "velocity = -1.5\n[[joint]]\nkind = \"bonded\"\n[[joint]]\nkind = \"contact\"\ngap = 0.05\n[left]\nkind = \"obstacle\"\ngap = "
       "0.1\n[load]\ndensity = \"-0.3*sin(2*t)*(1+x)\"\n[mesh]\nmass = \"fourth_order\"\n" +
       rest;
-  for (const char* method : {"rigid", "cvode"}) {
-    expect_derivative(chain, "parameters.c", 0.5, method);
-    expect_derivative(chain, "bar.1.section", 1.5, method);
-    expect_derivative(chain, "bar.1.length", 1.0, method);
-    expect_derivative(chain, "bar.2.length", 0.7, method);
-    expect_derivative(chain, "bar.3.density", 1.0, method);
-  }
+  for (const std::string& scene : {chain, chain + side})
+    for (const char* method : {"rigid", "cvode"}) {
+      expect_derivative(scene, "parameters.c", 0.5, method);
+      expect_derivative(scene, "bar.1.section", 1.5, method);
+      expect_derivative(scene, "bar.1.length", 1.0, method);
+      expect_derivative(scene, "bar.2.length", 0.7, method);
+      expect_derivative(scene, "bar.3.density", 1.0, method);
+    }
 }
 
 }  // namespace

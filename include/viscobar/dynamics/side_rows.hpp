@@ -26,6 +26,7 @@ class SideRows {
   /// @param drag c at all nodes; empty: none
   SideRows(BandedMatrix mass, std::vector<double> stiffness, std::vector<double> drag);
 
+  const BandedMatrix& mass() const { return mass_; }          ///< M of all nodes
   bool has_stiffness() const { return !stiffness_.empty(); }  ///< k
   bool has_drag() const { return !drag_.empty(); }            ///< c
   /// True if M diag(k) or M diag(c) has a skew part, by which k and c vary.
@@ -114,11 +115,6 @@ class SideRows {
       sum += 0.5 * (mass_.above(j) * stiffness_[j + 1] - mass_.below(j) * stiffness_[j]) *
              (w(j) * u(j + 1) - w(j + 1) * u(j));
     return sum;
-  }
-
-  /// Rows of the same M with other k and c.
-  SideRows with(std::vector<double> stiffness, std::vector<double> drag) const {
-    return {mass_, std::move(stiffness), std::move(drag)};
   }
 
  private:

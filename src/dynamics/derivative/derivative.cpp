@@ -74,7 +74,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
                         std::abs(rates.dashpot) / bar.impedance() + std::abs(rates.mass) / (bar.density * bar.length);
   }
-  take_side(direction);
+  take_sides(direction);
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     laws_.push_back(contacts_[i].law.stop() ? stop_rates(i, direction)
                     : contacts_[i].rigid    ? LawRates{0.0, 0.0}
@@ -89,7 +89,7 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
       lift_inertia_[right].assign(of_unknowns.begin(), of_unknowns.end());
     }
   }
-  driven_ = matrices_.any() || !supports_.empty() || side_ ||
+  driven_ = matrices_.any() || !supports_.empty() || !sides_.empty() ||
             std::ranges::any_of(laws_, [](const LawRates& law) { return law.stiffness != 0.0 || law.damping != 0.0; });
   if (driven_) motion_.load().add(added_, {});
 }
@@ -124,27 +124,44 @@ Derivative::LawRates Derivative::spring_rates(std::size_t i, const Penalty& pena
   return rates;
 }
 
-// M goes like L.
-void Derivative::take_side(const Direction& direction) {
-  const double stretched = direction.bar.length / system_.bar().bar().length;
-  const SideRows* own = system_.bar().side();
-  if (!own || (!direction.data.side && stretched == 0.0)) return;
-  const Mesh& mesh = system_.bar().mesh();
-  const Bar& bar = system_.bar().bar();
+void Derivative::take_sides(const Direction& direction) {
+  const BarSystem& bar = system_.bar();
+  const SideRows* own = bar.side();
+  if (!own) return;
   const SideResistance given = direction.data.side.value_or(SideResistance{});
-  std::vector<double> stiffness =
-      side_values(system_.bar().elements(), system_.bar().mass(), given.stiffness, given.stiffness_places);
-  std::vector<double> drag = side_values(system_.bar().elements(), system_.bar().mass(), given.drag, given.drag_places);
-  stiffness.resize(mesh.nodes()), drag.resize(mesh.nodes());
+  const LoadDifference* difference = difference_of(data_);
+  // Of k or c at the nodes.
+  const auto rates_of = [&](const SpaceFunction& rate, const Places& places,
+                            double (SideRows::*of_side)(std::size_t) const) {
+    std::vector<double> rates = side_values(bar.elements(), bar.mass(), rate, places);
+    rates.resize(bar.mesh().nodes());
+    for (std::size_t j = 0; difference && j < rates.size(); ++j)
+      rates[j] +=
+          difference->times * ((difference->after->side()->*of_side)(j) - (difference->before->side()->*of_side)(j));
+    return rates;
+  };
+  std::vector<double> stiffness = rates_of(given.stiffness, given.stiffness_places, &SideRows::stiffness),
+                      drag = rates_of(given.drag, given.drag_places, &SideRows::drag);
+  const BandedMatrix& of_mass = matrices_.of_side();
+  const auto relative = [&](double of_stiffness, double of_drag) {
+    return std::abs(of_stiffness) * bar.bar().length * bar.bar().length / bar.bar().modulus +
+           std::abs(of_drag) * bar.bar().length / bar.bar().impedance();
+  };
   double change = 0.0;
-  for (std::size_t j = 0; j < mesh.nodes(); ++j) {
-    stiffness[j] += stretched * own->stiffness(j);
-    drag[j] += stretched * own->drag(j);
-    change = std::max(change, std::abs(stiffness[j]) * bar.length * bar.length / bar.modulus +
-                                  std::abs(drag[j]) * bar.length / bar.impedance());
+  for (std::size_t j = 0; j < stiffness.size(); ++j) {
+    const double mass = own->mass().diagonal[j],
+                 grown = of_mass.size() > 0 && mass > 0.0 ? of_mass.diagonal[j] / mass : 0.0;
+    change = std::max(change, relative(stiffness[j] + grown * own->stiffness(j), drag[j] + grown * own->drag(j)));
   }
   relative_change_ += change;
-  side_ = own->with(std::move(stiffness), std::move(drag));
+  const auto any = [](const std::vector<double>& rates) {
+    return std::ranges::any_of(rates, [](double rate) { return rate != 0.0; });
+  };
+  if (any(stiffness) || any(drag)) sides_.emplace_back(own->mass(), std::move(stiffness), std::move(drag));
+  if (of_mass.size() == 0) return;
+  stiffness.resize(bar.mesh().nodes()), drag.resize(bar.mesh().nodes());
+  for (std::size_t j = 0; j < stiffness.size(); ++j) stiffness[j] = own->stiffness(j), drag[j] = own->drag(j);
+  sides_.emplace_back(of_mass, std::move(stiffness), std::move(drag));
 }
 
 bool Derivative::multiply_inertia(std::span<const double> x, std::span<double> out) const {
@@ -246,7 +263,8 @@ void Derivative::drive(const Moment& at) {
       rates[right] = -matrices_.elastic()[bar.elements().beside(end)] *
                      (stretch(end, at.w, {}, bar) + (lifts ? lift_stretch(end, lift_[1]) : 0.0));
   }
-  if (side_) side_->subtract(side_->resistance(placed(at.u), moving(at.w)), bar.unknowns().first_node(), n, added_);
+  for (const SideRows& side : sides_)
+    side.subtract(side.resistance(placed(at.u), moving(at.w)), bar.unknowns().first_node(), n, added_);
   for (const auto& [node, stiffness, dashpot, mass] : supports_) {
     const bool right = bar.unknowns().is_right(node);
     added_[node] -= stiffness * displacement(node, at.u) + dashpot * (at.w[node] + lift_[1].of(right)) +
@@ -285,9 +303,9 @@ void Derivative::add_frame_rate(double t, std::span<double> rate) const {
     jerk = {(late.left - early.left) / (after - before), (late.right - early.right) / (after - before)};
   }
   add_lift(velocity, acceleration, jerk, rate);
-  if (side_)
-    side_->subtract(side_->resistance(lifted(velocity), lifted(acceleration)), bar.unknowns().first_node(), rate.size(),
-                    rate);
+  for (const SideRows& side : sides_)
+    side.subtract(side.resistance(lifted(velocity), lifted(acceleration)), bar.unknowns().first_node(), rate.size(),
+                  rate);
   for (const auto& [node, stiffness, dashpot, mass] : supports_) {
     const bool right = bar.unknowns().is_right(node);
     rate[node] -= stiffness * velocity.of(right) + dashpot * acceleration.of(right) + mass * jerk.of(right);

@@ -26,7 +26,7 @@ struct Moment {
 ///
 ///     -(E K)' u - (eta K)' v - (rho M)' a + sum_i sigma_i (k_i' d_i + b_i' d_i') e_i
 ///
-/// with MatrixRates, -M ((k' + k L'/L) u + (c' + c L'/L) v) of a side that resists, and -(k' u + c' v + m' a) at an end
+/// with MatrixRates, -(M (k' u + c' v) + M' (k u + c v)) of a side that resists, and -(k' u + c' v + m' a) at an end
 /// with a spring, a dashpot or a mass. Where a frame moves with the ends (see BarSystem), u, v and a in the added force
 /// are those of the bar itself, lift included, and s is measured in the frame of d lift / dp.
 ///
@@ -50,8 +50,9 @@ class Derivative {
   void take_contacts();
   const MatrixRates& matrices() const { return matrices_; }        ///< of the bar
   std::span<const Support> supports() const { return supports_; }  ///< k', c' and m' of the ends, where one is not 0
-  /// k' + k L'/L and c' + c L'/L along the bar; null: none.
-  const SideRows* side() const { return side_ ? &*side_ : nullptr; }
+  /// The derivatives of the rows of a side that resists, M diag(k') and M' diag(k), those of c with them; where they
+  /// are not zero.
+  std::span<const SideRows> sides() const { return sides_; }
   /// out = (rho M)' x, masses of the ends included; false: that is zero, and nothing is done. O(n)
   bool multiply_inertia(std::span<const double> x, std::span<double> out) const;
   /// True if s has a load, or the frame an added force, that depends on time.
@@ -92,8 +93,10 @@ class Derivative {
     const SideRows* own = system_.bar().side();
     if (!own) return 0.0;
     const bool right = system_.bar().unknowns().is_right(end);
-    const double sum = own->at_end(right, [&](std::size_t j) { return own->stiffness(j) * s(j); });
-    return side_ ? sum + side_->at_end(right, [&](std::size_t j) { return side_->stiffness(j) * u(j); }) : sum;
+    double sum = own->at_end(right, [&](std::size_t j) { return own->stiffness(j) * s(j); });
+    for (const SideRows& side : sides_)
+      sum += side.at_end(right, [&](std::size_t j) { return side.stiffness(j) * u(j); });
+    return sum;
   }
   /// Displacements and velocities of the bar itself, at all nodes.
   void expand(double t, std::span<const double> s, std::span<const double> rate, std::span<double> u,
@@ -105,7 +108,7 @@ class Derivative {
   struct LawRates {
     double stiffness, damping;  // of a stop those of its numbers
   };
-  void take_side(const Direction& direction);
+  void take_sides(const Direction& direction);
   LawRates stop_rates(std::size_t i, const Direction& direction);
   LawRates spring_rates(std::size_t i, const Penalty& penalty, const Direction& direction) const;
   double mass_growth(const Contact& contact) const;
@@ -145,7 +148,7 @@ class Derivative {
   double relative_change_;     // of what the bar and its contacts are made of
   std::vector<LawRates> laws_;
   std::vector<Support> supports_;
-  std::optional<SideRows> side_;
+  std::vector<SideRows> sides_;
   std::vector<double> added_;
   std::array<std::vector<double>, 2> lift_inertia_;  // (rho M)' (1 - x/L) and (rho M)' x/L, where the frame moves
   std::array<Lift, 3> lift_{};                       // and its rates, at the moment driven by last

@@ -16,8 +16,9 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
   for (std::size_t k = 0; k < std::min<std::size_t>(3, bar.a.size()); ++k)
     inertia += matrices_.held(right)[k] * bar.a[right ? bar.a.size() - 1 - k : k];
   const auto at = [](std::span<const double> x) { return [x](std::size_t j) { return x[j]; }; };
-  const double side = side_ ? side_->at_end(right, side_->resistance(at(bar.u), at(bar.v))) : 0.0;
-  return (right ? pull : -pull) + side + inertia +
+  double resisted = 0.0;
+  for (const SideRows& side : sides_) resisted += side.at_end(right, side.resistance(at(bar.u), at(bar.v)));
+  return (right ? pull : -pull) + resisted + inertia +
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load().held(right, t));
 }
 
@@ -45,9 +46,9 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
     const auto of_s = data_.unknowns().displacement_at_nodes(s);
     sum += own->at_end(bar.unknowns().is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
   }
-  if (side_)
-    sum += side_->at_end(bar.unknowns().is_right(end),
-                         [&, u = placed(at.u)](std::size_t j) { return side_->drag(j) * u(j); });
+  for (const SideRows& side : sides_)
+    sum +=
+        side.at_end(bar.unknowns().is_right(end), [&, u = placed(at.u)](std::size_t j) { return side.drag(j) * u(j); });
   for (const Support& support : supports_)
     if (support.unknown == end)
       sum += support.dashpot * displacement(end, at.u) +
@@ -104,7 +105,7 @@ double Derivative::energy(const Moment& at, std::span<const double> s, std::span
   }
   const auto nodal = [](const std::vector<double>& x) { return [&x](std::size_t j) { return x[j]; }; };
   if (bar.side()) sum += bar.side()->energy_product(nodal(u), nodal(of_u));
-  if (side_) sum += side_->energy(nodal(u));
+  for (const SideRows& side : sides_) sum += side.energy(nodal(u));
   const auto end = [&](const Support& support) { return support.unknown + bar.unknowns().first_node(); };
   for (const Support& support : bar.supports()) sum += support.stiffness * u[end(support)] * of_u[end(support)];
   for (const Support& support : supports_)

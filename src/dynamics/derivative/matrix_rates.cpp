@@ -44,11 +44,17 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
   const std::array massless = {bar.inertia().massive_begin() == 1, bar.inertia().massive_end() < bar.size()};
   const double mass = bar.bar().density * bar.bar().length, spring = bar.bar().modulus / bar.bar().length;
   const auto change = [&](double rate, double of) { relative_change_ += std::abs(rate) / of; };
+  const auto stretched = [&](std::size_t p) { return rates_of(direction, p).length / pieces[p].bar.length; };
   const auto growth = [&](std::size_t p) {  // rho' + rho L'/L
-    return rates_of(direction, p).density +
-           pieces[p].bar.density * rates_of(direction, p).length / pieces[p].bar.length;
+    return rates_of(direction, p).density + pieces[p].bar.density * stretched(p);
   };
-  bool inertial = false;
+  const auto mass_times = [&](auto&& factor) {
+    return assembled(pieces, [&](const Piece& piece) {
+      BandedMatrix own = inertia_matrix(piece.mesh, bar.mass(), massless[0], massless[1], piece.section.get());
+      return own *= factor(static_cast<std::size_t>(&piece - pieces.data()));
+    });
+  };
+  bool inertial = false, longer = false;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Piece& piece = pieces[p];
     const Bar& rates = rates_of(direction, p);
@@ -56,17 +62,16 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
       inertial |= direction.members[p].mass != 0.0;
       change(direction.members[p].mass, piece.mass);
     } else {
-      const double stretched = rates.length / piece.bar.length;
-      const double modulus = rates.modulus - piece.bar.modulus * stretched;
-      const double viscosity = rates.viscosity - piece.bar.viscosity * stretched;
+      const double modulus = rates.modulus - piece.bar.modulus * stretched(p);
+      const double viscosity = rates.viscosity - piece.bar.viscosity * stretched(p);
       for (std::size_t e = 0; e < piece.mesh.elements; ++e) {
         elastic[piece.first + e] = modulus / piece.stretch(e);
         viscous[piece.first + e] = viscosity / piece.stretch(e);
       }
-      inertial |= growth(p) != 0.0;
+      inertial |= growth(p) != 0.0, longer |= stretched(p) != 0.0;
       if (direction.members.empty()) of_bar_ = {growth(p) / piece.bar.density, viscosity, modulus};
       change(rates.density, piece.bar.density), change(rates.modulus, piece.bar.modulus);
-      change(rates.viscosity, std::sqrt(mass * spring) * bar.bar().length), change(stretched, 1.0);
+      change(rates.viscosity, std::sqrt(mass * spring) * bar.bar().length), change(stretched(p), 1.0);
     }
     if (p + 1 == pieces.size() || direction.data.chain[p].joint.kind != JointKind::spring) continue;
     const Joint& joint = direction.members[p].joint;
@@ -75,13 +80,11 @@ MatrixRates::MatrixRates(const BarSystem& bar, const Direction& direction, const
     change(joint.damping, std::sqrt(mass * spring));
   }
   if (inertial) {
-    whole_ = assembled(pieces, [&](const Piece& piece) {
-      BandedMatrix own = inertia_matrix(piece.mesh, bar.mass(), massless[0], massless[1], piece.section.get());
-      return own *= growth(static_cast<std::size_t>(&piece - pieces.data()));
-    });
+    whole_ = mass_times(growth);
     for (std::size_t p = 0; p < pieces.size(); ++p)
       if (pieces[p].rigid()) whole_.diagonal[pieces[p].first] += direction.members[p].mass;
   }
+  if (bar.side() && longer) of_side_ = mass_times(stretched);
   if (difference) take_difference(bar, direction, *difference, massless, elastic, viscous);
   if (!whole_.diagonal.empty()) {
     inertia_ = restrict_to(whole_, bar.unknowns().first_node(), bar.size());
@@ -102,6 +105,7 @@ void MatrixRates::take_difference(const BarSystem& bar, const Direction& directi
     return inertia_of(pieces_of(scene, mesh), bar.mass(), massless);
   };
   add_difference(whole(beside.after, beside.mesh_after), whole(beside.before, beside.mesh_before), times, whole_);
+  if (bar.side()) add_difference(after.side()->mass(), before.side()->mass(), times, of_side_);
   for (std::size_t e = 0; e < bar.mesh().elements; ++e) {
     const auto add = [&](double Bar::*number, double stretch_after, double stretch_before, double& rate) {
       rate += times * (after.bar().*number / stretch_after - before.bar().*number / stretch_before);

@@ -36,6 +36,9 @@ class MatrixRates {
   /// Entries of its row of a fixed end, inwards.
   const std::array<double, 3>& held(bool right) const { return held_[right]; }
 
+  /// M' of the rows of a side that resists, without rho, over all nodes; of no size where it is zero.
+  const BandedMatrix& of_side() const { return of_side_; }
+
   const ElementSprings& elastic() const { return elastic_; }  ///< (E K)': rates of E over int dx / A of each element
   const ElementSprings& viscous() const { return viscous_; }  ///< (eta K)'
 
@@ -47,7 +50,7 @@ class MatrixRates {
                        const std::array<bool, 2>& massless, std::vector<double>& elastic, std::vector<double>& viscous);
 
   OfBar of_bar_;
-  BandedMatrix inertia_, whole_;
+  BandedMatrix inertia_, whole_, of_side_;
   std::array<std::array<double, 3>, 2> held_{};
   ElementSprings elastic_, viscous_;
   double relative_change_ = 0.0;

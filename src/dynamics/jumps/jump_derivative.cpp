@@ -13,8 +13,8 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
   const auto at = [this](std::span<const double> of) { return bar_.unknowns().at_nodes(of); };
   derivative.matrices().elastic().subtract(at(x), force);
   derivative.matrices().viscous().subtract(at(x_rate), force);
-  if (const SideRows* side = derivative.side())
-    side->subtract(side->resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
+  for (const SideRows& side : derivative.sides())
+    side.subtract(side.resistance(at(x), at(x_rate)), bar_.unknowns().first_node(), force.size(), force);
   for (const auto& [node, stiffness, dashpot, mass] : derivative.supports())
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }

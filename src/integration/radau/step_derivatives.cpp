@@ -69,9 +69,9 @@ void StepDerivatives::evaluate(ShiftedSystems& systems, double t, std::span<doub
     derivative.matrices().elastic().subtract(opposed, part.stiff_rate);
     for (const Support& support : derivative.supports())
       part.stiff_rate[support.unknown] += support.stiffness * begin_.w[support.unknown];
-    if (const SideRows* side = derivative.side())
-      side->subtract([&](std::size_t j) { return side->stiffness(j) * opposed(j); },
-                     system_.bar().unknowns().first_node(), n, part.stiff_rate);
+    for (const SideRows& side : derivative.sides())
+      side.subtract([&](std::size_t j) { return side.stiffness(j) * opposed(j); },
+                    system_.bar().unknowns().first_node(), n, part.stiff_rate);
     impulse_rates(derivative, begin_, u, part.impulse_rates);
   }
 }
@@ -81,7 +81,7 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   const Formula& formula = Formula::get();
   const Derivative& derivative = *derivatives_[k];
   const MatrixRates& matrices = derivative.matrices();
-  if (!matrices.any() && derivative.supports().empty() && !derivative.side()) return false;
+  if (!matrices.any() && derivative.supports().empty() && derivative.sides().empty()) return false;
   std::vector<Complex>& x = parts_[k].x;
   const std::size_t n = layout_.nodes, first = system_.bar().unknowns().first_node();
   const auto elastic = [&](double dashpot, double stiffness) {
@@ -99,8 +99,8 @@ bool StepDerivatives::drive(std::size_t k, std::span<const Complex> motion) {
   matrices.viscous().subtract(times(elastic(1.0, 0.0)), x);
   for (const auto& [unknown, stiffness, dashpot, mass] : derivative.supports())
     x[unknown] = x[unknown] - (elastic(dashpot, stiffness) + mass * formula.poles) * motion[unknown];
-  if (const SideRows* side = derivative.side())
-    side->subtract([&](std::size_t j) { return times(elastic(side->drag(j), side->stiffness(j)))(j); }, first, n, x);
+  for (const SideRows& side : derivative.sides())
+    side.subtract([&](std::size_t j) { return times(elastic(side.drag(j), side.stiffness(j)))(j); }, first, n, x);
   return true;
 }
 
