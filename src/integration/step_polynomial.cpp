@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "integration/energy_flow.hpp"
+#include "integration/accounts/energy_flow.hpp"
 
 namespace viscobar {
 

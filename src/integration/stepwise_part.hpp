@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "dynamics/jumps/jump_filter.hpp"
-#include "integration/contact_changes.hpp"
-#include "integration/contact_watch.hpp"
-#include "integration/energy_books.hpp"
-#include "integration/event_search.hpp"
+#include "integration/accounts/contact_watch.hpp"
+#include "integration/accounts/energy_books.hpp"
+#include "integration/events/contact_changes.hpp"
+#include "integration/events/event_search.hpp"
 #include "integration/snapshot.hpp"
 #include "integration/stepper.hpp"
 #include "run/framed_parts.hpp"

@@ -3,8 +3,9 @@ of one in docs/bars-in-line.md.
 
 python3 tests/measurements/step_instructions.py [--bars] PROGRAM [PROGRAM BEFORE]
 
-With --bars that of bars in line alone, which write at their end. Of two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
-start and end is no part of it. It needs valgrind, which knows AVX2 but not AVX-512: build the programs by
+With --bars the rows of bars in line alone, which write at their end. Each number is of two runs, of times T and 2 T: the
+difference of instructions over that of steps, so that what a process costs at its start and end is no part of it. It
+needs valgrind, which knows AVX2 but not AVX-512: build the programs by
 cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
 """
 import concurrent.futures
@@ -89,8 +90,8 @@ def scene_text(scene, elements, method, times):
 
 
 def main():
-    bars_alone = sys.argv[1:2] == ["--bars"]
-    programs = [os.path.abspath(path) for path in sys.argv[1 + bars_alone:]]
+    bars_alone = "--bars" in sys.argv
+    programs = [os.path.abspath(path) for path in sys.argv[1:] if path != "--bars"]
     rows = [(scene, elements, method) for scene, all_elements in (("flight", (27, 200, 1000)), ("driven", (200,)))
             for elements in all_elements for method in METHODS if not bars_alone]
     rows += [(scene, elements, method) for method in (*METHODS, "rigid", "exponential") for elements in (100, 1000)

@@ -130,7 +130,7 @@ void Derivative::take_sides(const Direction& direction) {
   if (!own) return;
   const SideResistance given = direction.data.side.value_or(SideResistance{});
   const LoadDifference* difference = difference_of(data_);
-  // Of k or c at the nodes.
+  // Rates of k or c at the nodes.
   const auto rates_of = [&](const SpaceFunction& rate, const Places& places,
                             double (SideRows::*of_side)(std::size_t) const) {
     std::vector<double> rates = side_values(bar.elements(), bar.mass(), rate, places);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "dynamics/energy_terms.hpp"
-#include "integration/contact_watch.hpp"
+#include "integration/accounts/contact_watch.hpp"
 #include "integration/exponential/energy_integral.hpp"
 #include "integration/exponential/motion.hpp"
 #include "integration/snapshot.hpp"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "dynamics/obstacle_motion.hpp"
-#include "integration/approach.hpp"
 #include "integration/bernstein.hpp"
+#include "integration/events/approach.hpp"
 
 namespace viscobar::exponential {
 

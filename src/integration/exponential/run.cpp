@@ -7,7 +7,7 @@
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/obstacle_motion.hpp"
-#include "integration/approach.hpp"
+#include "integration/events/approach.hpp"
 #include "integration/exponential/books.hpp"
 #include "run/framed_parts.hpp"
 #include "viscobar/integration/integrate.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "integration/energy_flow.hpp"
+#include "integration/accounts/energy_flow.hpp"
 #include "integration/error_weights.hpp"
 #include "integration/radau/gauss_powers.hpp"
 #include "integration/radau/load_tail.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "dynamics/lost_inertia.hpp"
-#include "integration/energy_flow.hpp"
+#include "integration/accounts/energy_flow.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::sundials {

@@ -1,12 +1,12 @@
-#include "integration/joint_forces.hpp"
+#include "integration/accounts/joint_forces.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
+#include "integration/accounts/peak.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/peak.hpp"
 
 namespace viscobar {
 

@@ -1,9 +1,9 @@
-#include "integration/energy_books.hpp"
+#include "integration/accounts/energy_books.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "integration/energy_flow.hpp"
+#include "integration/accounts/energy_flow.hpp"
 
 namespace viscobar {
 

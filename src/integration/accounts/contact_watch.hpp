@@ -10,10 +10,10 @@
 
 #include "discretisation/gauss.hpp"
 #include "dynamics/penalised_system.hpp"
+#include "integration/accounts/joint_forces.hpp"
+#include "integration/accounts/span_force.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/joint_forces.hpp"
 #include "integration/point_values.hpp"
-#include "integration/span_force.hpp"
 #include "viscobar/run/run.hpp"
 
 namespace viscobar {

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "dynamics/indicator.hpp"
+#include "integration/accounts/contact_watch.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/contact_watch.hpp"
+#include "integration/events/agreement.hpp"
 #include "integration/stepper.hpp"
 
 namespace viscobar {
@@ -24,19 +25,11 @@ namespace viscobar {
 /// indicator, and its time is that of p = 0, or of the number next to it: a rounding of the time is one of p by the
 /// speed of the contact, in a long run more than that of p itself.
 ///
-/// p alone may err by what a step errs by. So a contact changes only where the motion agrees: a node that closes moves
-/// in, and the row of a damped node without mass has the sign that the new state asks for. Where it does not agree at
-/// the descent of p, the change is where it begins to.
+/// A contact changes only where the motion agrees (see Agreement).
 ///
 /// A stop that lets go (see push_weights()) pushes where its push condition q is negative, too. Closed,
 /// it opens at the first descent of -p or -q. Open, it may have been let go inside, p < 0 < q: there it closes where q
 /// descends, unless the node has left before, and then where p descends again.
-///
-/// A contact that pulls, R < 0, holds back the bar and its node. The bar loses the velocity V = int |R| / (rho L) dt.
-/// The node misses the way int |R| / (eta/h + z) + V dt; z is sqrt(E rho) for one with mass, else 0. A damped node
-/// without mass, one that a rigid contact holds, and one that toggles on a spring without rebound are let go as soon as
-/// V or that way exceeds the tolerance of a step, and the bar gets V back. A pull that is an error of the motion turns
-/// before.
 class EventSearch {
  public:
   /// Both outlive it; `size` is that of the state.
@@ -78,19 +71,14 @@ class EventSearch {
   std::size_t first_contact() const { return which_; }
   /// True if it does by its push condition: its node is not on the surface.
   bool by_push() const { return by_push_; }
-  /// Since when it has pulled, at the latest t, where it opens.
-  double pulled_since(double t) const { return std::min(t, pulls_[which_].since); }
-  /// The velocity that it has taken from the bar meanwhile.
-  double held_back() const { return pulls_[which_].velocity; }
+  /// The motion's agreement to its change.
+  Agreement& agreement() { return agreement_; }
 
   /// To be called before changes(): the rates of all contacts at the event, within the step made last.
   void look_at(double begin, double t);
 
   /// True if contact i changes at the event too: its oriented indicator is used up and falls.
   bool changes(std::size_t i, double t, std::span<const double> y);
-
-  /// From here on the clearance of contact i counts as uncertain by a share of the tolerance, too.
-  void distrust(std::size_t i, double share) { distrusted_ = i, share_ = share; }
 
   double max_penetration() const { return max_penetration_; }
 
@@ -120,10 +108,6 @@ class EventSearch {
   void select_entries(const std::vector<std::size_t>& contacts);
   bool far(std::size_t i) const;
   bool far(std::size_t i, const PointValues& form);
-  double uncertainty(std::size_t i) const;
-  double against(std::size_t i, double t, std::span<const double> y);
-  double against(std::size_t i, double t);
-  std::optional<double> agreed(std::size_t i, double begin, double end, double s, const Bernstein& p);
   // Where a stop changes that lets go, as a part of the step, whether by its push condition, and whether later than
   // that or its indicator says. `values` are those of its oriented indicator, of which `level` is uncertain.
   struct StopChange {
@@ -132,36 +116,9 @@ class EventSearch {
   };
   std::optional<StopChange> change_of_stop(std::size_t i, double begin, double end, std::span<const double> values,
                                            double level);
-  // Samples f(t) at equidistant points.
-  std::span<const double> between(double from, double end, auto&& f) {
-    const std::size_t order = stepper_.order();
-    for (std::size_t j = 0; j <= order; ++j)
-      against_[j] = f(j == order ? end : from + (end - from) * static_cast<double>(j) / static_cast<double>(order));
-    return std::span(against_).first(order + 1);
-  }
-  std::optional<double> lasting(std::size_t i, double begin, double end, double s, const Bernstein& p);
-  double noticed(std::size_t i, double h) const;
-  bool opens_by_pull(std::size_t i) const {
-    return contacts_.closed(i) && (contacts_[i].changes_by_row || contacts_[i].collides);
-  }
-  // A spring on a node with mass, whose depth may be less than a step is wrong by. One that never throws its node out
-  // opens by its pull where it toggles.
-  bool springs(std::size_t i) const { return !contacts_[i].massless && !contacts_[i].collides; }
-  bool rebounds(std::size_t i) const { return contacts_[i].restitution > 0.0 || contacts_[i].law.stop(); }
-  bool toggles(std::size_t i) const { return i == distrusted_ && share_ > 0.0; }
-  double push(std::size_t i, double t);
-  double pressed_back(std::size_t i, double t);
-  // Pull of a closed contact that opens by it: its beginning, how far it is known, and what the bar, its node and a
-  // rigid body at it have missed.
-  struct Pull {
-    double since = std::numeric_limits<double>::infinity(), until = since, velocity = 0.0, distance = 0.0;
-    double of_body = 0.0, way_of_body = 0.0;
-  };
-  bool counts(std::size_t i, double from, double until, const Bernstein& pushes, Pull& pull) const;
   std::span<const double> part(std::size_t i, std::span<const double> sampled) const {
     return sampled.subspan(first_[i], first_[i + 1] - first_[i]);
   }
-  double sign(std::size_t i) const { return contacts_.closed(i) ? -1.0 : 1.0; }
   // At a time of the step.
   Sample at(double t);
   double oriented(std::size_t i, double t, const Sample& sample) const;
@@ -178,6 +135,7 @@ class EventSearch {
   Indicators indicators_;
   LegStepper& stepper_;
   std::size_t count_;
+  Agreement agreement_;
   std::vector<std::size_t> entries_, first_;  // entries of contact i: [first_[i], first_[i + 1])
   std::vector<std::size_t> all_, looked_at_;  // contacts, and those that are sampled in this step
   std::vector<std::size_t> near_, rated_;     // entries of the latter, and those whose rates count
@@ -193,16 +151,12 @@ class EventSearch {
   std::vector<PointValues> loads_;                       // of what these have of the load
   std::vector<double> rates_, present_;  // of the oriented indicators, and those that have accelerations, at an event
   std::vector<double> values_;           // of a sample with rates
-  std::vector<double> state_, acceleration_;  // where p descends
-  std::vector<Pull> pulls_;
-  std::array<double, Bernstein::max_degree + 1> against_{};
-  bool with_rates_ = false;  // an indicator asks for them
-  bool bounded_ = false;     // the indicators are those of bounded entries, as long as no contact changes
+  bool with_rates_ = false;              // an indicator asks for them
+  bool bounded_ = false;                 // the indicators are those of bounded entries, as long as no contact changes
   bool quiet_ = false;
   bool lets_go_ = false;  // a stop may
   bool by_push_ = false;
-  std::size_t which_ = 0, distrusted_ = 0;
-  double share_ = 0.0;
+  std::size_t which_ = 0;
   double max_penetration_ = 0.0;
 };
 

@@ -1,4 +1,4 @@
-#include "integration/event_search.hpp"
+#include "integration/events/event_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,8 @@
 #include <optional>
 #include <span>
 
-#include "dynamics/contact_forces.hpp"
-#include "dynamics/contact_rows.hpp"
 #include "dynamics/obstacle_motion.hpp"
-#include "integration/approach.hpp"
+#include "integration/events/approach.hpp"
 
 namespace viscobar {
 
@@ -31,10 +29,9 @@ EventSearch::EventSearch(PenalisedSystem& system, LegStepper& stepper, std::size
       indicators_(contacts_, system.load()),
       stepper_(stepper),
       count_(system.contacts().size()),
+      agreement_(system, stepper, size, [this](std::size_t i, double t) { return oriented(i, t, at(t)); }),
       form_of_(count_, none),
-      samples_(count_),
-      state_(size),
-      pulls_(count_) {
+      samples_(count_) {
   first_.reserve(count_ + 1);
   entries_.reserve(4 * count_);  // of an end
   for (std::size_t i = 0; i < count_; ++i) {
@@ -132,26 +129,26 @@ std::optional<double> EventSearch::first_change(double begin, double end, std::o
     const double of_time = time_rounding(std::max(std::abs(begin), std::abs(end)), speed);
     if (lets_go_ && lets_go(i)) {
       if (narrowed) narrow(i);
-      const auto change = change_of_stop(i, begin, end, values, -uncertainty(i) - of_time);
+      const auto change = change_of_stop(i, begin, end, values, -agreement_.uncertainty(i) - of_time);
       if (change && change->s < first) first = change->s, which_ = i, later = change->later, by_push_ = change->by_push;
       continue;
     }
     const Bernstein p = Bernstein::through(values);
-    const auto descent = p.first_descent(-uncertainty(i) - of_time, 0x1p-52, first);
+    const auto descent = p.first_descent(-agreement_.uncertainty(i) - of_time, 0x1p-52, first);
     if (!descent) continue;
     narrow(i);
-    const auto s = agreed(i, begin, end, *descent, p);
+    const auto s = agreement_.to_change(i, begin, end, *descent, p);
     if (s && *s < first) first = *s, which_ = i, later = s != descent, by_push_ = false;
   }
   if (first > 1.0) return widened(std::optional<double>());
   const double t = begin + first * (end - begin);
-  if (later || (lets_go(which_) && against(which_, t) > 0.0))  // agreed() has asked the others
+  if (later || (lets_go(which_) && agreement_.against(which_, t) > 0.0))  // to_change() has asked the others
     return widened(std::optional(t));
   narrow(which_);
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
   const double time = polished(begin, end, t, which_);
   if (by_push_) std::swap(weights_[which_], *pushes_[which_]);
-  return widened(std::optional(!by_push_ && against(which_, time) > 0.0 ? t : time));
+  return widened(std::optional(!by_push_ && agreement_.against(which_, time) > 0.0 ? t : time));
 }
 
 std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i, double begin, double end,
@@ -172,7 +169,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
     return by_depth && !(lets_go && *lets_go < *by_depth) ? first(by_depth, false) : first(lets_go, true);
   if (!by_depth) return std::nullopt;
   if (*by_depth > 0.0) {
-    const auto s = agreed(i, begin, end, *by_depth, Bernstein());
+    const auto s = agreement_.to_change(i, begin, end, *by_depth, Bernstein());
     return s ? std::optional(StopChange{*s, false, s != by_depth}) : std::nullopt;
   }
   // It has been let go inside.
@@ -182,7 +179,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
   if (!leaves || (lets_go && *lets_go < *leaves)) return first(lets_go, true);
   const double from = begin + *leaves * (end - begin);
   const auto again =
-      Bernstein::through(between(from, end, [&](double t) { return oriented(i, t, at(t)); })).first_descent(level);
+      agreement_.polynomial(from, end, [&](double t) { return oriented(i, t, at(t)); }).first_descent(level);
   return again ? first(*leaves + *again * (1.0 - *leaves), false) : std::nullopt;
 }
 
@@ -203,7 +200,8 @@ void EventSearch::look_at(double begin, double t) {
   rates_.resize(count_), present_.resize(count_);
   if (!contacts_.collides()) {
     const std::span<const double> rates = stepper_.sample(t, 1);
-    for (std::size_t i = 0; i < count_; ++i) rates_[i] = sign(i) * indicators_.weights(i)(part(i, rates));
+    for (std::size_t i = 0; i < count_; ++i)
+      rates_[i] = orientation(contacts_, i) * indicators_.weights(i)(part(i, rates));
     return;
   }
   const Sample sample = at(t);
@@ -222,153 +220,9 @@ bool EventSearch::changes(std::size_t i, double t, std::span<const double> y) {
   const double rounding = contacts_[i].changes_by_row
                               ? contacts_[i].clearance_rounding(weights.largest_displacement())
                               : 32.0 * std::numeric_limits<double>::epsilon() * weights.largest_velocity();
-  if (against(i, t, y) > -sign(i) * rounding) return false;
+  if (agreement_.against(i, t, y) > -orientation(contacts_, i) * rounding) return false;
   // Half the tolerance, so that a contact switched now is not found on the wrong side by the next check.
-  return rates_[i] < 0.0 && p <= 0.5 * (uncertainty(i) + time_rounding(t, -rates_[i]));
-}
-
-// A spring answers to its own clearance, which is known to rounding, and a rigid contact to its reaction. What toggles
-// is more and more of the tolerance uncertain.
-inline double EventSearch::uncertainty(std::size_t i) const {
-  const ErrorWeights& weights = stepper_.weights();
-  if (contacts_[i].holds)
-    return contacts_.closed(i)     ? contacts_[i].clearance_rounding(weights.largest_displacement())
-           : contacts_[i].collides ? weights.tolerance_at(i)
-                                   : weights.displacement_tolerance();
-  const double rounding = indicators_.rounding(i, weights.largest_displacement());
-  if (!toggles(i) || (contacts_.closed(i) && springs(i))) return rounding;
-  return rounding + share_ * (contacts_.closed(i) && contacts_[i].relaxes()
-                                  ? weights.reaction_tolerance() / (1.0 + contacts_[i].relative_stiffness)
-                                  : weights.displacement_tolerance());
-}
-
-// Positive where the state y speaks against a change of contact i: the velocity of a node that is to close, away from
-// the obstacle, or that is to leave, towards it; by the row of a damped node without mass, (h/E) times a reaction that
-// holds it, or pulls.
-double EventSearch::against(std::size_t i, double t, std::span<const double> y) {
-  const std::size_t n = system_.size(), node = contacts_[i].unknown;
-  const std::span<const double> u = y.first(n), w = y.subspan(n, n);
-  if (contacts_[i].changes_by_row)
-    return -sign(i) * row_reaction(system_, i, t, u, w) * system_.bar().elements().stretch_beside(node) /
-           system_.bar().bar().modulus;
-  // The indicator of an undamped node without mass is its neighbour's.
-  return system_.bar().inertia().massless(node) ? 0.0 : sign(i) * contacts_[i].sign * contacts_[i].of(w);
-}
-
-double EventSearch::against(std::size_t i, double t) {
-  if (contacts_.holds_mass(i)) return oriented(i, t, at(t));
-  stepper_.interpolate_ends(t, state_);
-  return against(i, t, state_);
-}
-
-// (h/E) times the reaction of a closed contact that opens by it. One whose spring is on a node with mass counts as open
-// meanwhile: the spring's own force is mostly its stiffness times the error of a depth.
-double EventSearch::push(std::size_t i, double t) {
-  if (!springs(i)) return against(i, t);
-  const std::size_t n = system_.size();
-  acceleration_.resize(n);
-  stepper_.interpolate(t, state_);
-  const std::span<double> u(state_.data(), n), w(state_.data() + n, n);
-  return resting_force(system_, i, t, u, w, acceleration_) *
-         system_.bar().elements().stretch_beside(contacts_[i].unknown) / system_.bar().bar().modulus;
-}
-
-// Positive where the bar presses the node of contact i, open now, back before it rises by what is uncertain: a spring
-// that rebounds answers to its own clearance, one that is critically damped to the tolerance.
-double EventSearch::pressed_back(std::size_t i, double t) {
-  const double within = rebounds(i) ? uncertainty(i) : stepper_.weights().displacement_tolerance();
-  push(i, t);
-  const double leaves = contacts_[i].of(std::span<const double>(state_).subspan(system_.size(), system_.size()));
-  return -contacts_[i].sign * contacts_[i].of(acceleration_) * within - 0.5 * leaves * leaves;
-}
-
-// The first part of the step from s on at which contact i changes, whose oriented indicator p has descended there:
-// where nothing speaks against it any more. The row of a held node with mass is p itself.
-std::optional<double> EventSearch::agreed(std::size_t i, double begin, double end, double s, const Bernstein& p) {
-  // From s on.
-  const auto wait = [&](auto&& speaks_against) {
-    const double from = begin + s * (end - begin);
-    if (!(speaks_against(from) > 0.0)) return true;
-    const auto part = Bernstein::through(between(from, end, speaks_against)).first_descent(0.0);
-    if (part) s += *part * (1.0 - s);
-    return part.has_value();
-  };
-  if (!contacts_.holds_mass(i) && !wait([&](double t) { return against(i, t); })) return std::nullopt;
-  if (!contacts_.closed(i) || !springs(i)) return opens_by_pull(i) ? lasting(i, begin, end, s, p) : std::optional(s);
-  system_.contacts().set_closed(i, false);
-  std::optional<double> opens;
-  if (wait([&](double t) { return pressed_back(i, t); }))
-    opens = toggles(i) && !rebounds(i) ? lasting(i, begin, end, s, p) : s;
-  system_.contacts().set_closed(i, true);
-  return opens;
-}
-
-// Where contact i opens, which pulls from the part s of the step on, and maybe since earlier: by all that it pulls up
-// to the end of the step, or by one of the pulls in it that the rest of a long step outweighs.
-std::optional<double> EventSearch::lasting(std::size_t i, double begin, double end, double s, const Bernstein& p) {
-  Pull& pull = pulls_[i];
-  if (pull.until != begin) pull = {};
-  const auto time = [=](double part) { return part == 1.0 ? end : begin + part * (end - begin); };
-  const auto push_between = [&](double from, double to) {
-    return contacts_.holds_mass(i)
-               ? p.between(from, to)
-               : Bernstein::through(between(time(from), time(to), [&](double t) { return push(i, t); }));
-  };
-  const auto turn_of = [](const Bernstein& of, double from) {
-    const auto turn = of.first_descent(0.0);
-    return turn ? std::optional(from + *turn * (1.0 - from)) : std::nullopt;
-  };
-  Bernstein pushes = push_between(s, 1.0);
-  if (counts(i, time(s), end, pushes, pull)) return s;
-  // No more of them than a polynomial has zeros.
-  for (std::size_t k = 0; k < stepper_.order(); ++k) {
-    Bernstein pulls = pushes.negative();
-    pulls.begin_at_least_at_zero();  // but for rounding
-    const auto until = turn_of(pulls, s);
-    if (!until) return std::nullopt;
-    if (Pull one; counts(i, time(s), time(*until), push_between(s, *until), one)) return pull = one, s;
-    const auto next = turn_of(push_between(*until, 1.0), *until);
-    if (!next) return std::nullopt;
-    s = *next;
-    pushes = push_between(s, 1.0);
-  }
-  return std::nullopt;
-}
-
-// True if contact i opens by its pull with that of the time from `from` to `until`, the bar pushing it as told.
-bool EventSearch::counts(std::size_t i, double from, double until, const Bernstein& pushes, Pull& pull) const {
-  const double time = until - from;
-  const Bar& bar = system_.bar().bar();
-  const ErrorWeights& weights = stepper_.weights();
-  const std::size_t node = contacts_[i].unknown;
-  const double h = system_.bar().elements().stretch_beside(node),
-               impedance = system_.bar().inertia().massless(node) ? 0.0 : bar.impedance();
-  const double force = std::max(-pushes.mean(), 0.0) * bar.modulus / h;
-  const double gained = force / (bar.density * bar.length) * time;
-  pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
-  pull.velocity += gained;
-  if (const auto body = row_of_free_body(contacts_, i)) {
-    const double mass = body->inertia[0];
-    pull.way_of_body += (pull.of_body + 0.5 * force / mass * time) * time;
-    pull.of_body += force / mass * time;
-  }
-  pull.since = std::min(pull.since, from);
-  pull.until = pushes.end() < 0.0 ? until : -std::numeric_limits<double>::infinity();
-  const bool counts = pull.velocity > weights.velocity_tolerance() ||
-                      pull.distance > weights.displacement_tolerance() || pull.of_body > weights.velocity_tolerance() ||
-                      pull.way_of_body > weights.displacement_tolerance() ||
-                      (contacts_[i].collides && pushes.first_descent(-noticed(i, h)));
-  if (counts) pull.velocity -= gained;
-  return counts;
-}
-
-// (h/E) times the pull that opens a rigid contact on a node with mass at once, which has an effect. On a fine mesh the
-// error of a step shows in the reaction as more than that, and a bar that comes to rest may toggle: then, and for that
-// contact alone, the reaction counts as uncertain by a share of that error.
-double EventSearch::noticed(std::size_t i, double h) const {
-  const ErrorWeights& weights = stepper_.weights();
-  const double least = weights.negligible_reaction(h);
-  return toggles(i) ? least + share_ * ErrorWeights::inertial_share * weights.reaction_tolerance() : least;
+  return rates_[i] < 0.0 && p <= 0.5 * (agreement_.uncertainty(i) + time_rounding(t, -rates_[i]));
 }
 
 // Mostly the bounds of a step prove that nothing happens in it, and take a part of what samples do.
@@ -405,7 +259,7 @@ bool EventSearch::look_at_the_near(std::span<const PointValues> forms) {
 // Orients the samples of its form. They tell that contact i is far if they, and what a polynomial may leave their range
 // by, are on one side.
 bool EventSearch::far(std::size_t i, const PointValues& form) {
-  const double direction = sign(i), offset = *weights_[i].offset;
+  const double direction = orientation(contacts_, i), offset = *weights_[i].offset;
   auto p = Points<16>::Map(samples_[i].data());
   p = direction * (Points<16>::Map(form.data()) + offset);
   const std::span<const double> values = std::span(samples_[i]).first(stepper_.order() + 1);
@@ -479,7 +333,8 @@ inline double EventSearch::oriented(std::size_t i, double t, const Sample& sampl
 
 inline double EventSearch::oriented(std::size_t i, double t, const IndicatorWeights& weights,
                                     std::span<const double> values, std::span<const double> rates) const {
-  return sign(i) * (weights(values, rates) + (weights.offset ? *weights.offset : indicators_.offset(i, t)));
+  return orientation(contacts_, i) *
+         (weights(values, rates) + (weights.offset ? *weights.offset : indicators_.offset(i, t)));
 }
 
 void EventSearch::orient(std::size_t i, const IndicatorWeights& weights, std::span<const PointValues> values,
@@ -498,7 +353,7 @@ void EventSearch::orient(std::size_t i, const IndicatorWeights& weights, std::sp
     for (std::size_t k = 3; weights.sided && k < count; ++k) add(weights.values[k], values[first + k]);
     for (std::size_t k = 2; !rates.empty() && k < count; ++k) add(weights.rates[k - 2], rates[first + k]);
   }
-  const double direction = sign(i), offset = weights.offset.value_or(weights.varying.rest);
+  const double direction = orientation(contacts_, i), offset = weights.offset.value_or(weights.varying.rest);
   for (std::size_t j = 0; j < sum.size(); ++j) out[j] = direction * (sum[j] + offset);
   for (std::size_t j = 0; !weights.offset && j <= order; ++j) out[j] = direction * (sum[j] + offset + loads_[i][j]);
 }
@@ -508,7 +363,7 @@ void EventSearch::orient(std::size_t i, const IndicatorWeights& weights, std::sp
 double EventSearch::rate(std::size_t i, double begin, double t, double now) {
   if (!contacts_.holds_mass(i)) {
     const std::span<const double> rates = stepper_.sample(t, 1);
-    return sign(i) * weights_[i](part(i, rates));
+    return orientation(contacts_, i) * weights_[i](part(i, rates));
   }
   const double before = t - 1e-3 * (t - begin);
   if (before >= t) return 0.0;

@@ -1,9 +1,9 @@
-#include "integration/span_force.hpp"
+#include "integration/accounts/span_force.hpp"
 
 #include <algorithm>
 
+#include "integration/accounts/peak.hpp"
 #include "integration/bernstein.hpp"
-#include "integration/peak.hpp"
 
 namespace viscobar {
 

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "integration/contact_watch.hpp"
-#include "integration/energy_books.hpp"
-#include "integration/event_search.hpp"
-#include "integration/late_opening.hpp"
+#include "integration/accounts/contact_watch.hpp"
+#include "integration/accounts/energy_books.hpp"
+#include "integration/events/event_search.hpp"
+#include "integration/events/late_opening.hpp"
 #include "integration/sensitivities.hpp"
 #include "run/notifier.hpp"
 #include "run/watchdog.hpp"

@@ -1,4 +1,4 @@
-#include "integration/contact_changes.hpp"
+#include "integration/events/contact_changes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,8 @@ void ContactChanges::switch_at(double t, double begin, double end, double load_b
 void ContactChanges::switch_one(std::size_t i, double t, double begin, double end, double load_break) {
   const bool opens = contacts_.closed(i), first = i == on_.search.first_contact();
   const bool by_push = first && on_.search.by_push();
-  const double told = opens && first ? std::max(on_.search.pulled_since(t), on_.watchdog.last_change()) : t;
+  const double told =
+      opens && first ? std::max(on_.search.agreement().pulled_since(i, t), on_.watchdog.last_change()) : t;
   if (on_.sensitivities)
     changes_ = (opens || by_push) && t == load_break ? on_.sensitivities->at_break(t, on_.end, i, on_.y)
                                                      : on_.sensitivities->before(t, told, i, by_push, on_.y);
@@ -84,7 +85,7 @@ void ContactChanges::switch_one(std::size_t i, double t, double begin, double en
 void ContactChanges::open(std::size_t i, double told, const Opening& opening) {
   const double t = opening.t;
   contacts_.set_closed(i, false);
-  if (i == on_.search.first_contact()) give_back(contacts_[i].sign * on_.search.held_back());
+  if (i == on_.search.first_contact()) give_back(contacts_[i].sign * on_.search.agreement().held_back(i));
   // A rounding of its penetration is a velocity of a node without mass.
   if (contacts_[i].changes_by_row) on_.system.complete_velocity(t, u(), w());
   tell(told, i, Change::opening, contacts_[i].of(w()));
@@ -190,7 +191,7 @@ void ContactChanges::strike_by_kink(double t, const FrameJump& jump) {
 void ContactChanges::distrust_toggling() {
   const std::size_t toggles = on_.watchdog.toggles();
   const double share = std::pow(10.0, std::min(static_cast<double>(toggles) - 10.0, 0.0));
-  on_.search.distrust(on_.watchdog.last_contact(), toggles > 0 ? share : 0.0);
+  on_.search.agreement().distrust(on_.watchdog.last_contact(), toggles > 0 ? share : 0.0);
 }
 
 // The velocity of the frame at a contact is that of its obstacle, at a kink on the side of the leg.

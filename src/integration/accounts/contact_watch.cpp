@@ -1,4 +1,4 @@
-#include "integration/contact_watch.hpp"
+#include "integration/accounts/contact_watch.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "integration/peak.hpp"
+#include "integration/accounts/peak.hpp"
 
 namespace viscobar {
 
