@@ -5,14 +5,14 @@
 #include <cmath>
 
 #include "discretisation/dense.hpp"
-#include "discretisation/lane_factor.hpp"
+#include "discretisation/lanes.hpp"
 
 namespace viscobar {
 
-NotPositive::NotPositive(const BandedMatrix& matrix)
-    : std::domain_error("tridiagonal matrix is not positive definite"),
-      finite(std::ranges::none_of(matrix.diagonal, [](double one) { return std::isnan(one); }) &&
-             std::ranges::all_of(matrix.off_diagonal, [](double one) { return std::isfinite(one); })) {}
+bool BandedMatrix::finite() const {
+  return std::ranges::none_of(diagonal, [](double one) { return std::isnan(one); }) &&
+         std::ranges::all_of(off_diagonal, [](double one) { return std::isfinite(one); });
+}
 
 BandedMatrix& BandedMatrix::operator*=(double factor) {
   for (std::vector<double>* entries : {&diagonal, &off_diagonal, &skew})
@@ -123,7 +123,7 @@ void TridiagonalFactorOf<Real>::factorise(const BandedMatrix& matrix) {
     positive &= pivot > 0.0;
     inverse_pivot_[i] = 1 / pivot;
   }
-  if (!positive) throw NotPositive(matrix);
+  if (!positive) throw NotPositive(matrix.finite());
 }
 
 template <class Real>
@@ -180,7 +180,7 @@ void TridiagonalFactorOf<Real>::factorise_patched(const BandedMatrix& matrix) {
         patch->upper_next = upper;
     }
   }
-  if (!positive) throw NotPositive(matrix);
+  if (!positive) throw NotPositive(matrix.finite());
 }
 
 namespace {

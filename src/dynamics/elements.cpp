@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "discretisation/lane_factor.hpp"
+#include "discretisation/lanes.hpp"
 #include "dynamics/pieces.hpp"
 
 namespace viscobar {

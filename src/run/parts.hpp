@@ -15,7 +15,7 @@
 #include "run/archive.hpp"
 #include "run/step_failure.hpp"
 #include "scene/times.hpp"
-#include "viscobar/discretisation/tridiagonal.hpp"
+#include "viscobar/discretisation/not_positive.hpp"
 #include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/run/run.hpp"
 

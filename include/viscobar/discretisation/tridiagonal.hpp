@@ -4,8 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <vector>
+
+#include "viscobar/discretisation/not_positive.hpp"
 
 namespace viscobar {
 
@@ -77,6 +78,7 @@ struct BandedMatrix {
   /// True if its off_diagonal is missing.
   bool is_diagonal() const { return off_diagonal.empty(); }
   BandedMatrix& operator*=(double factor);  ///< of all entries
+  bool finite() const;                      ///< all entries are numbers, an infinite one of the diagonal among them
 
   /// out = A x. `out` and `x` have n entries and do not overlap.
   void multiply(std::span<const double> x, std::span<double> out) const;
@@ -120,12 +122,6 @@ void row_values(std::size_t n, auto&& at, std::span<double> values) {
     values[k] = at(inwards), values[5 - k] = at(n - 1 - inwards);
   }
 }
-
-/// A pivot of a matrix is not positive: it is not positive definite, or not all numbers.
-struct NotPositive : std::domain_error {
-  explicit NotPositive(const BandedMatrix& matrix);  ///< of that one
-  bool finite;  ///< all entries are numbers, an infinite one of the diagonal among them
-};
 
 /// A = L D L^T of a symmetric positive definite tridiagonal matrix; O(n) to build, O(n) to solve. One-sided rows make
 /// it A = L D U, without pivoting or fill. A row r to the left gives L the entry (r, r - 2), one to the right gives U
