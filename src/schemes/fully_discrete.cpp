@@ -16,6 +16,7 @@
 #include "schemes/settled_start.hpp"
 #include "schemes/step_energy.hpp"
 #include "schemes/step_reactions.hpp"
+#include "schemes/step_snapshot.hpp"
 #include "schemes/time_step.hpp"
 
 namespace viscobar {
@@ -51,10 +52,6 @@ class Run {
     steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(steps * (1.0 - 1e-12))));
     statistics_.unknowns = system.size();
     statistics_.reached_time = begin_of(start, times);
-    if (!observers_.snapshot) return;
-    u_nodal_.resize(system.mesh().nodes()), v_nodal_ = u_nodal_;
-    u_.resize(system.size()), v_ = u_;
-    if (system.unknowns().left_fixed() || system.unknowns().right_fixed()) a_nodal_.resize(u_nodal_.size());
   }
 
   Statistics operator()() {
@@ -68,6 +65,7 @@ class Run {
       may_penetrate_ = may_penetrate();
       active_ = step_->active();
       reactions_.emplace(system_, *step_, times_, scheme_.step, steps_);
+      if (observers_.snapshot) snapshot_.emplace(system_, *step_, *reactions_, scheme_.step);
       if (checkpoint) {
         go_on(*checkpoint);
       } else {
@@ -232,8 +230,6 @@ class Run {
       }
   }
 
-  double u_before(std::size_t i) const { return step_->u()[i] - scheme_.step * step_->p()[i]; }
-
   double gap(std::size_t k, std::size_t n) const { return system_.frame().gap(step_->contacts()[k], time(n)); }
 
   // Throws LoadError if an obstacle jumps into the bar before the end of the step that begins at t.
@@ -254,56 +250,17 @@ class Run {
     }
   }
 
-  // Output times in (t_{n-1}, t_n]: u and v = (u^{n+1} - u^{n-1}) / (2 dt) and lambda at t_{n-1} and t_n, interpolated.
+  // The output times in (t_{n-1}, t_n].
   void write_until(std::size_t n) {
-    if (written_ == 0) write_start();
+    if (written_ == 0) write(snapshot_->at_start(times_.front(), std::get<State>(start_)));
     while (written_ < times_.size() && (times_[written_] <= time(n) || n == steps_)) {
-      const double dt = scheme_.step, theta = std::min((times_[written_] - time(n - 1)) / dt, 1.0);
-      const auto p = step_->p(), a = step_->acceleration(), a_before = step_->acceleration_before(), u = step_->u();
-      const LaneOrder& order = step_->order();
-      order.to_nodes([&](std::size_t i) { return u[i] - (1.0 - theta) * dt * p[i]; }, u_);
-      order.to_nodes([&](std::size_t i) { return p[i] + dt / 2 * (theta * a[i] - (1.0 - theta) * a_before[i]); }, v_);
-      write(theta);
+      const double t = times_[written_];
+      write(snapshot_->between(t, std::min((t - time(n - 1)) / scheme_.step, 1.0), n == 1));
     }
   }
 
-  // The state at the start, massless nodes as the balance of their rows puts them.
-  void write_start() {
-    const State& start = std::get<State>(start_);
-    std::ranges::copy(start.u, u_.begin());
-    std::ranges::copy(start.v, v_.begin());
-    for (const std::size_t i : {std::size_t{0}, u_.size() - 1})
-      if (system_.inertia().massless(i)) u_[i] = u_before(i), v_[i] = step_->p()[i];
-    write(0.0);
-  }
-
-  void write(double theta) {
-    system_.unknowns().expand_displacement(u_, u_nodal_);
-    system_.unknowns().expand_velocity(v_, v_nodal_);
-    const double t = times_[written_++];
-    if (!a_nodal_.empty()) {
-      // A start of first order has none of its own.
-      const auto a = step_->acceleration(), before = n_ > 1 ? step_->acceleration_before() : a;
-      a_nodal_.front() = a_nodal_.back() = 0.0;
-      step_->order().to_nodes([&](std::size_t i) { return theta * a[i] + (1.0 - theta) * before[i]; },
-                              std::span(a_nodal_).subspan(system_.unknowns().first_node(), system_.size()));
-    }
-    if (system_.frame().moving()) {
-      system_.frame().add_lift(system_.frame().lift(t, 0), u_nodal_);
-      system_.frame().add_lift(system_.frame().lift(t, 1), v_nodal_);
-      if (!a_nodal_.empty()) system_.frame().add_lift(system_.frame().lift(t, 2), a_nodal_);
-    }
-    Snapshot snapshot{t, u_nodal_, v_nodal_, reaction_at(false, theta), reaction_at(true, theta)};
-    snapshot.reaction_span = reactions_->of_span(theta);
-    joint_forces_.clear();
-    for (const JointNodes& joint : system_.elements().joints()) {
-      double force = joint.stiffness * (u_nodal_[joint.node - 1] - u_nodal_[joint.node]) +
-                     joint.damping * (v_nodal_[joint.node - 1] - v_nodal_[joint.node]);
-      for (std::size_t k = 0; k < step_->contacts().size(); ++k)
-        if (step_->contacts()[k].joint == joint.number) force += reactions_->of_contact(k, theta);
-      joint_forces_.push_back(force);
-    }
-    snapshot.joint_forces = joint_forces_;
+  void write(Snapshot&& snapshot) {
+    ++written_;
     if (observers_.energy) {
       const double now = time(n_);
       snapshot.energy = energy_->parts(now);
@@ -312,13 +269,6 @@ class Run {
       snapshot.energy->end_inertia = statistics_.energy->end_inertia;
     }
     notifier_.snapshot(snapshot);
-  }
-
-  // In the direction of u.
-  double reaction_at(bool right, double theta) const {
-    if (system_.unknowns().wall(right))
-      return system_.holding_force(right, u_nodal_, v_nodal_, a_nodal_, step_->load_held(times_[written_ - 1], right));
-    return reactions_->of_end(right, theta);
   }
 
   // u^{n+1} is known now. A contact closes at the first t_{n+1} that it holds, with the velocity before, and opens at
@@ -433,12 +383,10 @@ class Run {
   std::optional<PenalisedSystem> settled_;  // the system of the scheme, as the filter takes it
   double next_break_ = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, double>> begun_;  // breaks that the load has a part of, and the share that is left
-  std::vector<double> u_, v_, u_nodal_, v_nodal_;
-  std::vector<double> a_nodal_;  // where an end is fixed
-  std::vector<double> joint_forces_;
   std::optional<TimeStep> step_;
   std::optional<StepEnergy> energy_;  // of it
   std::optional<StepReactions> reactions_;
+  std::optional<StepSnapshot> snapshot_;  // where somebody asks
 };
 
 }  // namespace
