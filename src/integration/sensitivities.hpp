@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -94,6 +95,7 @@ class Sensitivities {
   void lose(double t, std::string why, std::span<double> y);
 
  private:
+  static constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   using Block = Layout::Block<double>;
   struct Field {
     std::vector<double> u, v;
