@@ -88,5 +88,23 @@ TEST(SectionSensitivities, OfBarsInLineAreDifferencesOfRuns) {
     }
 }
 
+// At a held end the velocities of the start are by its own.
+TEST(SectionSensitivities, OfBarsWhoseEndIsDrivenFromTheStartOnAreDifferencesOfRuns) {
+  const std::string driven =
+      "[[bar]]\nlength = 1.0\nviscosity = 0.1\nsection = \"1.5+c*x\"\nelements = 4\nvelocity = \"-1+b*x\"\n[[bar]]\n"
+      "length = 0.7\nmodulus = 3.0\nviscosity = 0.2\nelements = 3\nvelocity = -0.4\n[left]\nkind = \"obstacle\"\ngap = "
+      "0.1\n[right]\nkind = \"fixed\"\nmotion = \"0.2*sin(2*t)\"\n[load]\ndensity = \"-0.3*sin(2*t)*(1+x)\"\n" +
+      rest;
+  for (const char* mass : {"fourth_order", "consistent", "lumped"})
+    for (const std::string& scene : {driven, driven + side}) {
+      const std::string text = scene + fmt::format("[mesh]\nmass = \"{}\"\n", mass);
+      for (const char* method : {"rigid", "cvode"}) {
+        expect_derivative(text, "parameters.c", 0.5, method);
+        expect_derivative(text, "bar.1.length", 1.0, method);
+        expect_derivative(text, "bar.2.length", 0.7, method);
+      }
+    }
+}
+
 }  // namespace
 }  // namespace viscobar::section_derivatives

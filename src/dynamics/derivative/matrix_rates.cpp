@@ -30,6 +30,17 @@ void add_difference(const BandedMatrix& a, const BandedMatrix& b, double times, 
     add(a.one_sided[r].entries, b.one_sided[r].entries, to.one_sided[r].entries);
 }
 
+// The initial velocities of a scene beside that of a bar, its ends moved as those: where one is held, they are by its
+// motion, too.
+std::vector<double> moving_from_the_start(const BarSystem& bar, Scene beside, const Mesh& mesh) {
+  beside.left_input.motion = bar.inputs()[0].motion, beside.right_input.motion = bar.inputs()[1].motion;
+  const BarSystem system(beside, mesh, bar.mass());
+  std::vector<double> v = system.initial_state().v;
+  const Lift rate = system.frame().moving() ? system.frame().lift(0.0, 1) : Lift{};
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] += rate.at(system.frame().share(i));
+  return v;
+}
+
 // None where all are 0.
 ElementSprings springs_of(const BarSystem& bar, std::vector<double> springs) {
   if (std::ranges::all_of(springs, [](double spring) { return spring == 0.0; })) springs.clear();
@@ -124,8 +135,13 @@ std::vector<double> start_of_masses(const BarSystem& bar, const Direction& direc
   std::vector<double> start;
   if (difference) {
     start.resize(bar.size());
-    const std::vector<double> v = difference->after->initial_state().v, before = difference->before->initial_state().v;
-    for (std::size_t i = 0; i < v.size(); ++i) start[i] = difference->times * (v[i] - before[i]);
+    const auto add = [&](const BarSystem& beside, const Scene& scene, const Mesh& mesh, double times) {
+      std::vector<double> v = beside.initial_state().v;
+      if (bar.frame().moving()) v = moving_from_the_start(bar, scene, mesh);
+      for (std::size_t i = 0; i < v.size(); ++i) start[i] += times * v[i];
+    };
+    add(*difference->after, direction.beside->after, direction.beside->mesh_after, difference->times);
+    add(*difference->before, direction.beside->before, direction.beside->mesh_before, -difference->times);
   }
   if (!bar.elements().is_chain()) return start;
   const std::vector<Piece>& pieces = bar.elements().pieces();
