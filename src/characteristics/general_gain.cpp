@@ -37,7 +37,10 @@ std::span<const GaussPoint> clenshaw_curtis() {
 class GeneralGain final : public LoadGain {
  public:
   GeneralGain(const GeneralLoad& load, const Frame& frame, double passages)
-      : density_(load.density), frame_(frame), breaks_of_density_(load.breaks, frame, load.sharp) {
+      : LoadGain(frame.delay),
+        density_(load.density),
+        frame_(frame),
+        breaks_of_density_(load.breaks, frame, load.sharp) {
     // A load that is small beside its values at other times need not be known to its own rounding.
     constexpr int samples = 300;
     double largest = 0.0;
@@ -54,13 +57,16 @@ class GeneralGain final : public LoadGain {
   }
 
  private:
-  void prepare(std::size_t passage) override {
+  void prepare() override {
     rough_ = 0;
-    breaks_of_density_.enter(passage);
+    breaks_of_density_.enter(window_);
   }
+  // It does not change what follows: a run that goes on from a checkpoint does not look again.
   void look(double s) override {
     rough_ = 0;
+    const Memory before = memory;
     LoadGain::look(s);
+    memory.largest = before.largest, memory.steepest = before.steepest;
   }
 
   double at(const Way& way, double r) {
@@ -70,12 +76,14 @@ class GeneralGain final : public LoadGain {
     const double t = frame_.t(std::max(0.0, way.time - r));
     const double value = finite_load(
         t, [&] { return density_(x, t); }, [&] { return fmt::format("the load at x = {}, t = {}", x, t); });
-    largest_ = std::max(largest_, std::abs(value));
+    memory.largest = std::max(memory.largest, std::abs(value));
     return value;
   }
   // Errors by roundings of the time count like its own.
-  double argument() const { return static_cast<double>(passage_) + 1.0 + std::abs(frame_.start) / frame_.passage; }
-  double size() const override { return sums * frame_.factor * std::max(small_, largest_ + argument() * steepest_); }
+  double argument() const { return time(1.0) + std::abs(frame_.start) / frame_.passage; }
+  double size() const override {
+    return sums * frame_.factor * std::max(small_, memory.largest + argument() * memory.steepest);
+  }
 
   struct Sum {
     double value, size;
@@ -89,7 +97,8 @@ class GeneralGain final : public LoadGain {
       sum.value += value;
       sum.size += std::abs(value);
       // A jump is no slope, so only what changes over a tenth of the bar counts as one.
-      if (place < 2.0) steepest_ = std::max(steepest_, std::abs(f - last) / std::max(half * (place - node), 0.1));
+      if (place < 2.0)
+        memory.steepest = std::max(memory.steepest, std::abs(f - last) / std::max(half * (place - node), 0.1));
       last = f;
       place = node;
     }
@@ -101,7 +110,7 @@ class GeneralGain final : public LoadGain {
     const Sum left = formula(way, from, middle), right = formula(way, middle, to);
     size = std::max(size, left.size + right.size);
     // To roundings of the load, and of the time at which it is evaluated.
-    const double of_time = argument() * steepest_ * (to - from);
+    const double of_time = argument() * memory.steepest * (to - from);
     const double tolerance = rounding * (32.0 * std::max(size, small_ * way.length) + 8.0 * of_time);
     if (std::abs(left.value + right.value - whole.value) <= tolerance || depth >= 48 || !(from < middle && middle < to))
       return left.value + right.value;
@@ -163,10 +172,9 @@ class GeneralGain final : public LoadGain {
   Frame frame_;
   static constexpr int shallow = 6;  // halvings
   Breaks breaks_of_density_;
-  std::size_t rough_ = 0;                  // evaluations of the present look or passage where it is
-  std::pair<double, double> inside_{};     // where the load is evaluated
-  double small_ = 0.0;                     // beside the load at other times
-  double largest_ = 0.0, steepest_ = 0.0;  // of what has been seen
+  std::size_t rough_ = 0;               // evaluations of the present look or window where it is
+  std::pair<double, double> inside_{};  // where the load is evaluated
+  double small_ = 0.0;                  // beside the load at other times
 };
 
 }  // namespace

@@ -26,10 +26,10 @@ const Piecewise& fitted(PiecewiseFit& fit, const SpaceFunction& profile, const P
 
 class SteadyGain final : public LoadGain {
  public:
-  SteadyGain(const SteadyLoad& load, const Frame& frame) {
+  SteadyGain(const SteadyLoad& load, const Frame& frame) : LoadGain(frame.delay) {
     const Piecewise& density = fitted(fit_, load.profile, load.places, frame, "the load");
     evaluations_ = fit_.evaluations();
-    errors.arrivals = frame.factor * fit_.error();
+    memory.arrivals = frame.factor * fit_.error();
     const double whole = frame.factor * density.integral();
     for (std::size_t i = 0; i < density.size(); ++i) {
       const Piecewise::Piece& piece = density[i];
@@ -54,7 +54,11 @@ class SteadyGain final : public LoadGain {
 class SeparableGain final : public LoadGain {
  public:
   SeparableGain(const SeparableLoad& load, const Frame& frame)
-      : history_(load.history), frame_(frame), breaks_of_history_(load.breaks, frame) {
+      : LoadGain(frame.delay),
+        history_(load.history),
+        frame_(frame),
+        breaks_of_history_(load.breaks, frame),
+        recent_(static_cast<std::size_t>(std::ceil(frame.delay)) + 1) {
     profile_ = fitted(fit_, load.profile, load.places, frame, "the profile");
     profile_error_ = fit_.error();
     profile_bound_ = profile_.bound();
@@ -63,45 +67,50 @@ class SeparableGain final : public LoadGain {
   }
 
  private:
-  void prepare(std::size_t passage) override {
-    std::swap(before_, now_);
-    breaks_of_history_.enter(passage);
-    const auto begin = static_cast<double>(passage);
+  void prepare() override {
+    std::ranges::rotate(recent_, recent_.end() - 1);
+    breaks_of_history_.enter(window_);
     cuts_.clear();
-    for (const double time : breaks_of_history_.times())
-      if (time > begin && time < begin + 1.0) cuts_.push_back(time - begin);
-    now_ = history_fit_.of(
+    for (const double break_time : breaks_of_history_.times())
+      if (break_time > time(0.0) && break_time < time(1.0)) cuts_.push_back((break_time - time(0.0)) * delay_);
+    const double argument = (time(1.0) + std::abs(frame_.start) / frame_.passage) * delay_;  // in windows
+    recent_.front() = history_fit_.of(
         [&](double s) {
-          const double t = frame_.t(begin + s);
+          const double t = frame_.t(time(s));
           return finite_load(
               t, [&] { return history_(t); }, [&] { return fmt::format("the history of the load at t = {}", t); });
         },
         {.breaks = cuts_,
-         .apart = 64.0 * rounding * (begin + 2.0 + std::abs(frame_.start) / frame_.passage),
-         .argument = begin + 1.0 + std::abs(frame_.start) / frame_.passage,
+         .apart = 64.0 * rounding * (argument + 1.0),
+         .argument = argument,
          .what = "the history of the load"});
-    errors.arrivals += frame_.factor * (profile_error_ * now_.bound() + profile_bound_ * history_fit_.error());
+    memory.arrivals +=
+        frame_.factor / delay_ * (profile_error_ * recent_.front().bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
     times_.clear();
-    if (passage > 0)
-      for (std::size_t i = 0; i < before_.size(); ++i) times_.push_back(begin - 1.0 + before_[i].begin);
-    for (std::size_t i = 0; i < now_.size(); ++i) times_.push_back(begin + now_[i].begin);
+    for (std::size_t j = recent_.size(); j-- > 0;)
+      for (std::size_t i = 0; i < recent_[j].size(); ++i)
+        times_.push_back((static_cast<double>(window_) - static_cast<double>(j) + recent_[j][i].begin) / delay_);
   }
 
   double size() const override {
-    return sums * frame_.factor * profile_bound_ * std::max(now_.bound(), before_.bound());
+    double largest = 0.0;
+    for (const Piecewise& history : recent_) largest = std::max(largest, history.bound());
+    return sums * frame_.factor * profile_bound_ * largest;
   }
 
   double gain(const Way& way) override {
-    const auto begin = static_cast<double>(passage_);
-    const double in_now = std::clamp(way.time - begin, 0.0, way.length);
-    double sum = part(now_, way.place, way.time - begin, in_now, way.rightward);
-    if (way.length > in_now)
-      sum += part(before_, way.place + (way.rightward ? -in_now : in_now), 1.0, way.length - in_now, way.rightward);
+    const double now = way.time * delay_ - static_cast<double>(window_);
+    double sum = 0.0, come = 0.0;
+    for (std::size_t j = 0; j < recent_.size() && come < way.length; ++j) {
+      const double s = j == 0 ? now : 1.0, length = std::clamp(s / delay_, 0.0, way.length - come);
+      sum += part(recent_[j], way.place + (way.rightward ? -come : come), s, length, way.rightward);
+      come += length;
+    }
     return frame_.factor * sum;
   }
 
-  // int_0^length p(place -+ r) h(s - r) dr within one passage: between breaks of either a polynomial.
+  // int_0^length p(place -+ r) h(s - delay r) dr within one window: between breaks of either a polynomial.
   double part(const Piecewise& history, double place, double s, double length, bool rightward) const {
     if (length <= 0.0 || history.empty()) return 0.0;
     std::size_t i = profile_.size() - 1, j = history.size() - 1;
@@ -111,7 +120,7 @@ class SeparableGain final : public LoadGain {
     while (r < length) {
       double to = length;
       const double of_place = rightward ? place - profile_[i].begin : profile_[i].end - place;
-      const double of_time = s - history[j].begin;
+      const double of_time = (s - history[j].begin) / delay_;
       const bool next_place = (rightward ? i > 0 : i + 1 < profile_.size()) && of_place <= to;
       if (next_place) to = std::max(r, of_place);
       const bool next_time = j > 0 && of_time <= to;
@@ -125,7 +134,7 @@ class SeparableGain final : public LoadGain {
         for (std::size_t k = 0; k < count; ++k) {
           const double way = middle + half * formula[k].node;
           of_p[k] = profile_[i].z(rightward ? place - way : place + way);
-          of_h[k] = history[j].z(s - way);
+          of_h[k] = history[j].z(s - way * delay_);
         }
         p.at({of_p.data(), count}, {values_p.data(), count});
         h.at({of_h.data(), count}, {values_h.data(), count});
@@ -151,7 +160,8 @@ class SeparableGain final : public LoadGain {
   Frame frame_;
   Breaks breaks_of_history_;
   PiecewiseFit history_fit_;
-  Piecewise profile_, now_, before_;  // the history in this passage and in the one before
+  Piecewise profile_;
+  std::vector<Piecewise> recent_;  // the history in this window and in those of the passage before, the newest first
   double profile_error_ = 0.0, profile_bound_ = 0.0;
   std::size_t profile_evaluations_ = 0;
   std::vector<double> places_, times_, cuts_;
@@ -159,17 +169,22 @@ class SeparableGain final : public LoadGain {
 
 }  // namespace
 
-std::unique_ptr<LoadGain> LoadGain::of(const Load& load, const Bar& bar, double passage, double start, double end) {
-  const Frame frame{bar.length, passage, start, passage / bar.density};
+std::unique_ptr<LoadGain> LoadGain::of(const Load& load, const Bar& bar, double passage, double delay, double start,
+                                       double end) {
+  const Frame frame{bar.length, passage, delay, start, passage / bar.density};
   if (const auto* steady = std::get_if<SteadyLoad>(&load)) return std::make_unique<SteadyGain>(*steady, frame);
   if (const auto* separable = std::get_if<SeparableLoad>(&load))
     return std::make_unique<SeparableGain>(*separable, frame);
   return general_gain(std::get<GeneralLoad>(load), frame, (end - start) / passage);
 }
 
-void LoadGain::enter(std::size_t passage) {
-  passage_ = passage;
-  prepare(passage);
+void LoadGain::recall(std::size_t window) {
+  window_ = window;
+  prepare();
+}
+
+void LoadGain::enter(std::size_t window) {
+  recall(window);
   arrivals();
 }
 
@@ -187,32 +202,32 @@ const Piecewise& LoadGain::represented(const std::function<double(double)>& f) {
 
 // Kinks come from a break in time that meets one in x, the ends being such, or is met by the way's own beginning.
 void LoadGain::arrivals() {
-  const auto begin = static_cast<double>(passage_);
   const bool pairs = places().size() * times().size() <= most_pairs;
   for (const bool rightward : {true, false}) {
     breaks_.clear();
-    for (const double time : times()) {
-      add_break(time - begin);
-      add_break(time - begin + 1.0);
+    const auto add = [this](double at) { add_break((at - time(0.0)) * delay_); };
+    for (const double at : times()) {
+      add(at);
+      add(at + 1.0);
       if (pairs)
-        for (const double place : places()) add_break(time - begin + (rightward ? 1.0 - place : place));
+        for (const double place : places()) add(at + (rightward ? 1.0 - place : place));
     }
     Piecewise& arriving = rightward ? arriving_right_ : arriving_left_;
     arriving = represented([&](double s) {
-      return gain({rightward ? 1.0 : 0.0, begin + s, std::min(1.0, begin + s), rightward});
+      return gain({rightward ? 1.0 : 0.0, time(s), std::min(1.0, time(s)), rightward});
     });
-    errors.arrivals += fit_.error();
+    memory.arrivals += fit_.error() / delay_;
   }
 }
 
 void LoadGain::look(double s) {
-  const double now = static_cast<double>(passage_) + s;
+  const double now = time(s);
   const bool pairs = places().size() * times().size() <= most_pairs;
   for (const bool onward : {true, false}) {
     breaks_.clear();
     for (const double place : places()) add_break(place);
-    for (const double time : times()) {
-      const double way = now - time;
+    for (const double at : times()) {
+      const double way = now - at;
       add_break(onward ? way : 1.0 - way);
       if (pairs)
         for (const double place : places()) add_break(onward ? place + way : place - way);
@@ -221,7 +236,7 @@ void LoadGain::look(double s) {
     on_the_way = represented([&](double place) {
       return gain({place, now, std::min(onward ? place : 1.0 - place, now), onward});
     });
-    errors.looked_at = std::max(errors.looked_at, fit_.error());
+    memory.looked_at = std::max(memory.looked_at, fit_.error());
   }
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 #include <tuple>
-#include <variant>
 
 #include "characteristics/run.hpp"
 #include "scene/times.hpp"
@@ -53,10 +52,6 @@ std::optional<Finding> chain_refusal(const Scene& scene) {
   for (std::size_t m = 0; m + 1 < chain.size(); ++m)
     if (const auto& stop = chain[m].joint.stop; chain[m].joint.kind == JointKind::contact && stop && !stop->linear())
       return law_refusal("characteristics", *stop, fmt::format("joint.{}", m + 1));
-  if (scene.load && !std::holds_alternative<SteadyLoad>(*scene.load))
-    return Finding{"load.density",
-                   "depends on time, which characteristics takes on one bar alone; for several in line "
-                   "use rigid, or one of the penalised methods"};
   return std::nullopt;
 }
 

@@ -15,15 +15,22 @@ namespace {
 
 constexpr std::size_t rough_awaited = 3'000;  // evaluations for one window, by a look ahead
 
-std::unique_ptr<LoadGain> load_of(const Scene& scene, const LineBar& line, double start, double end) {
-  const Bar bar{line.length, line.density, line.density * line.speed * line.speed, 0.0};
-  if (line.begin == 0.0) return LoadGain::of(*scene.load, bar, line.transit(), start, end);
-  // Along the chain; see refusal().
-  SteadyLoad load = std::get<SteadyLoad>(*scene.load);
-  load.profile = [profile = load.profile, begin = line.begin](double x) { return profile(begin + x); };
-  for (NextBreak* places : {&load.places.breaks, &load.places.detail})
-    if (*places) *places = along(*places, line.begin);
-  return LoadGain::of(load, bar, line.transit(), start, end);
+// The load of a scene along a bar.
+Load load_along(const Load& of_scene, double begin) {
+  Load load = of_scene;
+  const auto shift = [begin](NextBreak& places) {
+    if (places) places = along(places, begin);
+  };
+  if (auto* steady = std::get_if<SteadyLoad>(&load)) {
+    steady->profile = [profile = steady->profile, begin](double x) { return profile(begin + x); };
+    shift(steady->places.breaks), shift(steady->places.detail);
+  } else if (auto* separable = std::get_if<SeparableLoad>(&load)) {
+    separable->profile = [profile = separable->profile, begin](double x) { return profile(begin + x); };
+    shift(separable->places.breaks), shift(separable->places.detail);
+  } else if (auto* general = std::get_if<GeneralLoad>(&load)) {
+    general->density = [density = general->density, begin](double x, double t) { return density(begin + x, t); };
+  }
+  return load;
 }
 
 }  // namespace
@@ -47,7 +54,10 @@ Run::Run(const Scene& scene, const Mesh& mesh, const Checkpoint* from, std::span
   for (const LineBar& bar : bars_) {
     data_.push_back(initial_data(scene_, bar));
     lines_.push_back({DelayLine(bar.transit() / window_), DelayLine(bar.transit() / window_)});
-    if (scene.load) loads_.push_back(load_of(scene_, bar, times.front(), times.back()));
+    if (!scene.load) continue;
+    const Bar of_load{bar.length, bar.density, bar.density * bar.speed * bar.speed, 0.0};
+    loads_.push_back(LoadGain::of(bar.begin == 0.0 ? *scene.load : load_along(*scene.load, bar.begin), of_load,
+                                  bar.transit(), lines_.back().rightward.delay(), times.front(), times.back()));
   }
   junctions_ = junctions_of(scene_, bars_, window_, times.front(), &data_, &places_);
   if (observers_.energy)
@@ -97,7 +107,7 @@ Statistics Run::reached() {
   double velocity_error = now_.error, displacement_error = 0.0;
   for (const auto& load : loads_) {
     statistics_.load_evaluations += load->evaluations();
-    velocity_error += load->errors.arrivals + load->errors.looked_at;
+    velocity_error += load->memory.arrivals + load->memory.looked_at;
   }
   for (const Junction& junction : junctions_) {
     statistics_.event_evaluations += junction.memory().searched;
@@ -121,8 +131,9 @@ void Run::go_on(const Checkpoint& checkpoint) {
   if (nodes_ != mesh_.nodes())
     throw std::invalid_argument("the checkpoint is of another run than the one to go on with");
   for (std::size_t b = 0; b < loads_.size(); ++b) {
-    if (k_ > 0 && !loads_[b]->steady()) loads_[b]->enter(k_ - 1);
-    loads_[b]->errors = gain_errors_begin_[b];
+    const std::size_t windows = lines_[b].rightward.windows();
+    for (std::size_t k = k_ > windows ? k_ - windows : 0; k < k_ && !loads_[b]->steady(); ++k) loads_[b]->recall(k);
+    loads_[b]->memory = gains_begin_[b];
   }
   for (Junction& junction : junctions_) junction.restore();
   now_ = begin_;
@@ -132,9 +143,9 @@ void Run::go_on(const Checkpoint& checkpoint) {
 
 void Run::enter() {
   begin_ = now_;
-  gain_errors_begin_.clear();
+  gains_begin_.clear();
   for (const auto& load : loads_) {
-    gain_errors_begin_.push_back(load->errors);
+    gains_begin_.push_back(load->memory);
     load->enter(k_);
   }
   const double until = last() ? std::clamp(part_at(times_.back()), least_window, 1.0) : 1.0;
@@ -260,7 +271,10 @@ std::vector<Field> Run::fields(double s, double t) {
   std::vector<Field> all;
   for (std::size_t b = 0; b < bars_.size(); ++b) {
     LoadGain* load = loads_.empty() ? nullptr : loads_[b].get();
-    if (load) load->look(s);
+    if (load) {
+      load->look(s);
+      gains_begin_[b].looked_at = load->memory.looked_at;
+    }
     const Junction &left = junctions_[b], &right = junctions_[b + 1];
     all.emplace_back(Field::Sent{lines_[b].rightward, sent_right(b)}, Field::Sent{lines_[b].leftward, sent_left(b)},
                      load ? &load->rightward() : nullptr, load ? &load->leftward() : nullptr, s,
@@ -350,7 +364,6 @@ double evaluations_of_output(const Scene& scene, double end) {
   const double times[] = {0.0, std::min(end, 0.5 * scene.bar.transit())};
   const Characteristics method{.most_pieces = pieces_awaited};
   Observers looking;
-  looking.snapshot = [](const Snapshot&) {};
   looking.energy = true;
   require(scene, times, method);
   const PartEnd done =

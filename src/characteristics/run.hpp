@@ -66,7 +66,7 @@ class Run {
 
   /// Content of a checkpoint: the state at the beginning of its window, and how much of the window has been told.
   static void members(auto& run, auto&& each) {
-    each(run.nodes_, run.k_, std::span(run.lines_), std::span(run.junctions_), run.begin_, run.gain_errors_begin_,
+    each(run.nodes_, run.k_, std::span(run.lines_), std::span(run.junctions_), run.begin_, run.gains_begin_,
          run.initial_moment_, run.told_, run.largest_);
   }
 
@@ -132,7 +132,7 @@ class Run {
 
   // Work of the load up to s in this window. Of a load that varies it is what the load has given to waves: to those
   // that have arrived and to those on their way.
-  double work_at(std::size_t bar, double s, Field& now, const std::vector<double>& breaks) const;
+  double work_at(std::size_t bar, double s, Field& now, const std::vector<double>& breaks);
 
   // The most terms of a polynomial in the field.
   std::size_t most_terms(std::size_t bar) const;
@@ -179,7 +179,7 @@ class Run {
   std::vector<Gained> gained_;
   Piecewise scratch_;
   Sums now_, begin_;  // the latter at the beginning of the window
-  std::vector<LoadGain::Errors> gain_errors_begin_;
+  std::vector<LoadGain::Memory> gains_begin_;
   double initial_moment_ = 0.0;  // int f u dx
   std::size_t largest_ = 0;
 

@@ -118,7 +118,7 @@ double Run::arrived_work(std::size_t bar, const Piecewise& sent, const Piecewise
       sum += half * weight * gained * (2.0 * w(sent[i].z(s)) + gained);
     }
   });
-  return 0.25 * bars_[bar].mass() * sum;
+  return 0.25 * bars_[bar].mass() / lines_[bar].rightward.delay() * sum;
 }
 
 std::vector<double> Run::breaks_at(std::size_t bar, double s) const {
@@ -142,12 +142,12 @@ std::vector<double> Run::breaks_at(std::size_t bar, double s) const {
   return breaks;
 }
 
-double Run::work_at(std::size_t bar, double s, Field& now, const std::vector<double>& breaks) const {
+double Run::work_at(std::size_t bar, double s, Field& now, const std::vector<double>& breaks) {
   const LoadGain& load = *loads_[bar];
   if (load.steady()) return moment(bar, breaks, [&](double place) { return now.displacement(place); });
   Cursor right_gain(load.rightward()), left_gain(load.leftward());
-  const double arrived = begin_.work + arrived_work(bar, lines_[bar].leftward.before(1), load.arriving_left(), s) +
-                         arrived_work(bar, lines_[bar].rightward.before(1), load.arriving_right(), s);
+  const double arrived = arrived_work(bar, lines_[bar].leftward.arriving(), load.arriving_left(), s) +
+                         arrived_work(bar, lines_[bar].rightward.arriving(), load.arriving_right(), s);
   return arrived + 0.25 * bars_[bar].mass() * integral(breaks, [&](double place) {
                      const double g = right_gain.value(place), h = left_gain.value(place);
                      return g * (2.0 * now.rightward(place) - g) + h * (2.0 * now.leftward(place) - h);
@@ -168,7 +168,7 @@ std::size_t Run::most_terms(std::size_t bar) const {
 
 EnergyState Run::energy_at(double s, std::vector<Field>& fields) {
   EnergyState energy;
-  energy.work = -initial_moment_;
+  energy.work = begin_.work - initial_moment_;
   for (std::size_t b = 0; b < bars_.size(); ++b) {
     Field& now = fields[b];
     const std::vector<double> breaks = breaks_at(b, s);

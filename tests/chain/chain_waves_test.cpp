@@ -314,5 +314,93 @@ TEST(ChainWaves, AMeshComesNearerAsItGetsFiner) {
   EXPECT_LT(errors[2], 0.2 * h);
 }
 
+// Unlike windows: the shortest part is crossed in 0.3 of c = 1, the longest in 0.9.
+const char* const loads_in_time[] = {"density = \"sin(3*t-2*x)*(1+x)\"",
+                                     "density = \"t>0.83 ? exp(-x)*cos(t) : 0.4*x\"",
+                                     "profile = \"x<0.71 ? 1+x : 0.2\"\nhistory = \"t<1.1 ? sin(5*t) : -0.3\""};
+
+TEST(ChainWaves, ALoadThatDependsOnTimeIsOnPartsOfABarAsOnTheWhole) {
+  const char* const ends =
+      "[left]\nkind = \"obstacle\"\ngap = 0.05\n[right]\nkind = \"free\"\nstiffness = 0.5\n[time]\nend = 5.0\n[output]\n"
+      "every = 0.13\n[load]\n";
+  for (const char* load : loads_in_time) {
+    const Followed whole = followed(std::string("[bar]\nlength = 1.7\n[mesh]\nelements = 17\n") + ends + load);
+    const Followed parts =
+        followed(std::string("[[bar]]\nlength = 0.3\nelements = 3\n[[bar]]\nlength = 0.9\nelements = 9\n[[bar]]\n"
+                             "length = 0.5\nelements = 5\n") +
+                 ends + load);
+    ASSERT_EQ(parts.events.size(), whole.events.size()) << load;
+    EXPECT_GE(whole.events.size(), 1U) << load;
+    for (std::size_t k = 0; k < whole.events.size(); ++k)
+      EXPECT_NEAR(parts.events[k].time, whole.events[k].time, 10.0 * rounding) << load;
+    for (std::size_t k = 0; k < whole.times.size(); ++k)
+      for (std::size_t j = 0; j < whole.u[k].size(); ++j)
+        ASSERT_NEAR(parts.u[k][j], whole.u[k][j], 10.0 * rounding) << load << ' ' << whole.times[k] << ' ' << j;
+    EXPECT_NEAR(parts.statistics.energy->work, whole.statistics.energy->work, 10.0 * rounding) << load;
+    EXPECT_NEAR(parts.statistics.account->left.impulse, whole.statistics.account->left.impulse, 10.0 * rounding)
+        << load;
+  }
+}
+
+// Smooth, of bars that are at rest: order 4.
+TEST(ChainWaves, AMeshComesToUnlikeBarsUnderALoadThatDependsOnTime) {
+  const auto text = [](int elements) {
+    return fmt::format(
+        "[[bar]]\nlength = 1.0\nelements = {0}\n[[bar]]\nlength = 0.7\ndensity = 2.0\nsection = 2.0\nelements = {0}\n"
+        "[[bar]]\nlength = 1.3\nmodulus = 3.0\nelements = {0}\n[[joint]]\nkind = \"bonded\"\n[[joint]]\nkind = \"spring\"\nstiffness = "
+        "2.0\n[left]\nkind = \"fixed\"\n[load]\ndensity = \"sin(t)^5*(1+cos(x))\"\n[time]\nend = 2.0\n[output]\nevery = "
+        "0.25\n[mesh]\nmass = \"fourth_order\"\n[method]\nrelative_tolerance = 1e-11\n",
+        elements);
+  };
+  const Followed exact = followed(text(10));
+  std::vector<double> errors;
+  for (const int factor : {1, 2, 4}) {
+    const Followed mesh = followed(text(10 * factor), "rigid");
+    double most = 0.0;
+    for (std::size_t k = 0; k < exact.times.size(); ++k)
+      most = std::max(most, std::abs(exact.u[k].back() - mesh.u[k].back()));
+    errors.push_back(most);
+  }
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(std::log2(errors[k] / errors[k + 1]), 4.0, 0.3) << errors[k] << ' ' << errors[k + 1];
+}
+
+TEST(ChainWaves, ALoadThatDependsOnTimeGoesOnFromCheckpointsBitForBit) {
+  for (const char* load : loads_in_time) {
+    const auto setup = resolve(
+        parse_scene(
+            std::string(
+                "[[bar]]\nlength = 0.3\n[[bar]]\nlength = 0.94\ndensity = 2.0\n[[bar]]\nmass = "
+                "0.3\n[[joint]]\nkind = \"bonded\"\n[[joint]]\nkind = \"contact\"\ngap = 0.01\n[time]\nend = 4.0\n[output]\n"
+                "every = 0.3\n[method]\nname = \"characteristics\"\n[load]\n") +
+                load,
+            "")
+            .run);
+    std::vector<Checkpoint> checkpoints;
+    std::vector<std::vector<double>> whole, rest;
+    Observers observers;
+    observers.energy = observers.account = true;
+    observers.checkpoints.emplace().every = 0.9;
+    observers.checkpoints->take = [&](const Checkpoint& one) {
+      checkpoints.push_back(one);
+      return RunControl::go_on;
+    };
+    observers.snapshot = [&](const Snapshot& now) { whole.emplace_back(now.u.begin(), now.u.end()); };
+    const Statistics of_whole = simulate(setup, observers);
+    ASSERT_EQ(checkpoints.size(), 4U);
+    observers.checkpoints->take = [](const Checkpoint&) { return RunControl::go_on; };
+    observers.snapshot = [&](const Snapshot& now) { rest.emplace_back(now.u.begin(), now.u.end()); };
+    for (const Checkpoint& from : checkpoints) {
+      rest.clear();
+      const Statistics of_rest = simulate(setup, setup.system(), from, observers);
+      ASSERT_EQ(rest.size() + from.outputs, whole.size());
+      for (std::size_t k = 0; k < rest.size(); ++k) ASSERT_EQ(rest[k], whole[k + from.outputs]) << load;
+      EXPECT_EQ(of_rest.energy->work, of_whole.energy->work) << load;
+      EXPECT_EQ(of_rest.energy->final, of_whole.energy->final) << load;
+      EXPECT_EQ(of_rest.representation->error, of_whole.representation->error) << load;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace viscobar
