@@ -68,7 +68,7 @@ class SeparableGain final : public LoadGain {
 
  private:
   void prepare() override {
-    std::ranges::rotate(recent_, recent_.end() - 1);
+    std::rotate(recent_.begin(), recent_.end() - 1, recent_.end());
     breaks_of_history_.enter(window_);
     cuts_.clear();
     for (const double break_time : breaks_of_history_.times())
