@@ -78,7 +78,6 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
   };
   says(pair, "method.name: characteristics carries waves unchanged, and bar.1.viscosity = 0.1", by_waves({}));
   says(pair, "bar.2.section: is not for characteristics", by_waves({"bar.1.viscosity=0", "bar.2.section=1+x"}));
-  says(pair, "load.density: depends on time", by_waves({"bar.1.viscosity=0", "load.density=sin(t)"}));
   says(pair, "method.name: finite_difference takes one bar", {"method.name=finite_difference"});
   says(pair, "mesh.mass: \"redistributed\" does not fit", {"mesh.mass=redistributed"});
   says(pair, "bar.1.nodes: must go from 0 to bar.1.length = 1", {"bar.1.nodes=[0,0.5,2]"});
@@ -119,6 +118,24 @@ TEST(ChainInput, OneTableAloneIsABar) {
 }
 
 // A scene is written as that scene, elements included.
+TEST(ChainInput, WhatOneTableAloneHasOfItsOwnIsThatOfTheScene) {
+  const auto scene = parse_scene(
+      "[[bar]]\nlength = 2.0\nelements = 12\ngrading = 1.1\nvelocity = \"1+x\"\n[initial]\nvelocity = 5.0\n"
+      "displacement = \"0.1*x\"\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[time]\nend = 1.0\n",
+      "");
+  EXPECT_TRUE(scene.run.scene.chain.empty());
+  EXPECT_EQ(scene.run.elements, 12U);
+  EXPECT_EQ(scene.run.grading, 1.1);
+  EXPECT_EQ(scene.run.scene.velocity(0.5), 1.5);
+  EXPECT_EQ(scene.run.scene.displacement(0.5), 0.05);
+  try {
+    (void)parse_scene("[[bar]]\nlength = 2.0\nvelocity = \"1+y\"\n[time]\nend = 1.0\n", "s");
+    FAIL();
+  } catch (const SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("s:3:12"), std::string::npos) << error.what();
+  }
+}
+
 TEST(ChainInput, IsDescribedAsItWasUnderstood) {
   const std::vector<std::string> finer = {"mesh.elements=90"}, unlike = {"bar.1.nodes=[0,0.1,0.5,1]", "mesh.grading=3"};
   for (const std::vector<std::string>& settings : {std::vector<std::string>{}, finer, unlike}) {
