@@ -309,7 +309,7 @@ bool EventSearch::far(std::size_t i) const {
   if (contacts_[i].moves) return true;
   if (contacts_[i].joint > 0) {
     const std::size_t b = first_[i] + 1, a = first_[i] + 2;
-    return !contacts_.closed(i) && lowest_[b] - highest_[a] + contacts_[i].gap > 0.0;
+    return !contacts_.closed(i) && lowest_[b] - highest_[a] + indicators_.offset(i, 0.0) > 0.0;
   }
   if (lets_go_ && lets_go(i) && contacts_.closed(i)) return false;
   const double offset = indicators_.offset(i, 0.0);  // which does not depend on t
