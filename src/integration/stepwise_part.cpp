@@ -234,6 +234,7 @@ void StepwisePart::restart(double t, Leg leg) {
   }
   if (sensitivities_) sensitivities_->begin_leg(t, end(), y_);
   begin_ends(t);
+  if (ends_) ends_->take_first_forces(t, u(), w());
   take_forms();
   if (!search_.selects()) select(true);
   stepper_.restart(t, leg_end_, y_);

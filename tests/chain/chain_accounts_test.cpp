@@ -85,6 +85,21 @@ TEST(ChainAccounts, ABriefTouchHasThePeakOfItsSpring) {
   }
 }
 
+// Without rebound, zeta = 1, the force begins with its largest value c v, c = 2 (m / epsilon)^(1/2), m = 2/3 of 2
+// and 1. The first steps behind the closing are so short that they tell it by roundings.
+TEST(ChainAccounts, ADashpotBeginsWithThePeakOfItsContact) {
+  const std::string text =
+      "[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nmass = 1.0\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = "
+      "0.1\nelements = 4\n[[joint]]\nkind = \"contact\"\ngap = 0.1\n[[joint]]\nkind = \"contact\"\ngap = 5.0\n[time]\nend "
+      "= 0.5\n[contact]\nepsilon = {}\nrestitution = 0.0\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-8\n";
+  for (const double epsilon : {1e-2, 1e-4, 1e-6})
+    for (const char* method : {"cvode", "ida", "arkode", "odeint", "exponential"}) {
+      const Recording run = record(case_of(fmt::format(fmt::runtime(text), epsilon, method)));
+      const double peak = 2.0 * std::sqrt(2.0 / 3.0 / epsilon);
+      EXPECT_NEAR(run.statistics.account->joints.front().peak_reaction, peak, 1e-4 * peak) << method << " " << epsilon;
+    }
+}
+
 // Penalties on both sides of a body.
 TEST(ChainAccounts, ABodyBetweenAnObstacleAndABarKeepsTheEnergy) {
   const std::string text =

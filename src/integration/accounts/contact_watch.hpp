@@ -68,6 +68,11 @@ class ContactWatch {
   /// The run is at t in the state (u, w): at its beginning, and wherever contacts change.
   void begin(double t, std::span<const double> u, std::span<const double> w);
 
+  /// See JointForces::take_first_forces().
+  void take_first_forces(double t, std::span<const double> u, std::span<const double> w) {
+    if (extremes_.peaks) joints_.take_first_forces(t, u, w);
+  }
+
   /// True if the motion does not matter as long as the contacts are as they are.
   bool idle() const { return idle_; }
   /// True if the ends and what is closed there are springs or nothing, so that bounds of entries bound them.

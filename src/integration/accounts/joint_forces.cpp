@@ -41,6 +41,17 @@ void JointForces::begin(std::span<const double> u, std::span<const double> w) {
   }
 }
 
+void JointForces::take_first_forces(double t, std::span<const double> u, std::span<const double> w) {
+  for (Joint& joint : joints_) {
+    ContactAccount& account = *joint.account;
+    if (!contacts_.closed(joint.contact) || !has_dashpot(joint) || account.latest.reaction != 0.0) continue;
+    const ContactNode& contact = contacts_[joint.contact];
+    const double force = joint.direction * contact.law.force(contacts_.clearance(joint.contact, u), contact.of(w));
+    if (contact.joint == 0 || force > 0.0)
+      account.peak_reaction = std::max(account.peak_reaction, account.latest.raise(force, t));
+  }
+}
+
 void JointForces::ask_for(std::vector<std::size_t>& entries) {
   const std::size_t n = contacts_.bar().size();
   for (const Joint& joint : joints_) {
@@ -137,6 +148,8 @@ void JointForces::add(Joint& joint, double to, double length, std::size_t order,
     all(force) += all(inertia) / length;
   }
   all(force) *= joint.direction;
+  const double known = std::abs(joint.account->latest.reaction);
+  if (has_dashpot(joint) && known > 0.0 && rounding > 1e-5 * known) return;
   raise_peak(*joint.account, used(force), to, length, contact.joint == 0, rounding);
 }
 

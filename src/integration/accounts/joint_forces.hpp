@@ -37,6 +37,9 @@ class JointForces {
   void measure_from(std::span<const double> origin) { origin_ = origin; }
   /// Takes the rows as the contacts are now, wherever they change, in the state (u, w).
   void begin(std::span<const double> u, std::span<const double> w);
+  /// Takes the forces into the peaks with which dashpots of contacts begin that have just closed, in that state at t:
+  /// for a method whose first steps are so short that they tell them worse.
+  void take_first_forces(double t, std::span<const double> u, std::span<const double> w);
   bool closed() const;
   /// Adds the step, or the part of one, from `from` up to `to`, by all forms at its points.
   void add(double from, double to, std::size_t order, std::span<const PointValues> forms, bool peaks);
@@ -55,6 +58,11 @@ class JointForces {
     PointValues load{};                   // of the rows that are added
   };
 
+  // True if its largest force is the first, but for what other contacts do.
+  bool has_dashpot(const Joint& joint) const {
+    const ContactNode& contact = contacts_[joint.contact];
+    return !contact.by_law && !contact.holds && contact.law.linear().damping > 0.0;
+  }
   void add(Joint& joint, double to, double length, std::size_t order, const PointValues& momentum,
            const PointValues& rate, bool peaks);
 
