@@ -276,6 +276,33 @@ TEST(SectionContact, OnUnequalElementsNeverGrowsAndIsNearerToAFineMeshThanConsis
     }
 }
 
+// Forces are as the area, and so is what they move. A power of two times, to the last bit but for the tolerance, which
+// has a force in it.
+TEST(SectionContact, OpensWhenItDoesWhateverTheUnitOfArea) {
+  const auto events_of = [](double area, const char* joint, double tolerance) {
+    return record(parse_scene(
+                      fmt::format("[[bar]]\nlength = 1.0\nviscosity = 0.1\nsection = {0}\nvelocity = -1.0\nelements = "
+                                  "20\n{1}[left]\nkind = \"obstacle\"\ngap = 0.05\n[time]\nend = 9.0\n[method]\nname = "
+                                  "\"rigid\"\nrelative_tolerance = {2}\n",
+                                  area, fmt::format(fmt::runtime(joint), area), tolerance),
+                      "")
+                      .run)
+        .events;
+  };
+  for (const char* joint :
+       {"", "[[bar]]\nmass = {0}\nvelocity = -1.0\n[[joint]]\nkind = \"spring\"\nstiffness = {0}\n"})
+    for (const double tolerance : {1e-3, 1e-6}) {
+      const std::vector<Event> unit = events_of(1.0, joint, tolerance);
+      ASSERT_GE(unit.size(), 2U);
+      for (const double area : {0x1p-13, 0x1p-27, 0x1p20}) {
+        const std::vector<Event> other = events_of(area, joint, tolerance);
+        ASSERT_EQ(other.size(), unit.size()) << area << joint << tolerance;
+        for (std::size_t k = 0; k < unit.size(); ++k)
+          EXPECT_NEAR(other[k].time, unit[k].time, tolerance) << area << joint << tolerance;
+      }
+    }
+}
+
 // The transformed bar on as many elements differs by O(h^4), to 50 h^4 with derivatives of these data.
 TEST(SectionContact, OfAConeIsTheSameInEveryMethod) {
   const std::string tolerance = "relative_tolerance = 1e-8\n";

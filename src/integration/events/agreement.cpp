@@ -10,12 +10,32 @@
 
 namespace viscobar {
 
+namespace {
+
+// A of an element, as its stiffness has it.
+double area_of(const Elements& elements, std::size_t e) { return elements.mesh().element(e) / elements.stretch(e); }
+
+// The mean of that over all bars; 1 of one without a section.
+double mean_area(const Elements& elements) {
+  if (elements.rows_alike()) return 1.0;
+  double volume = 0.0, length = 0.0;
+  for (std::size_t e = 0; e < elements.mesh().elements; ++e) {
+    if (!elements.is_of_bar(e)) continue;
+    volume += area_of(elements, e) * elements.mesh().element(e);
+    length += elements.mesh().element(e);
+  }
+  return volume / length;
+}
+
+}  // namespace
+
 Agreement::Agreement(PenalisedSystem& system, LegStepper& stepper, std::size_t size, HeldRow held_row)
     : system_(system),
       contacts_(system.contacts()),
       indicators_(contacts_, system.load()),
       stepper_(stepper),
       held_row_(std::move(held_row)),
+      area_(mean_area(system.bar().elements())),
       state_(size),
       pulls_(contacts_.size()) {}
 
@@ -131,10 +151,12 @@ bool Agreement::counts(std::size_t i, double from, double until, const Bernstein
   const Bar& bar = system_.bar().bar();
   const ErrorWeights& weights = stepper_.weights();
   const std::size_t node = contacts_[i].unknown;
-  const double h = system_.bar().elements().stretch_beside(node),
-               impedance = system_.bar().inertia().massless(node) ? 0.0 : bar.impedance();
+  const Elements& elements = system_.bar().elements();
+  const std::size_t beside = elements.beside(node);
+  const double h = elements.stretch(beside), area = elements.is_of_bar(beside) ? area_of(elements, beside) : area_,
+               impedance = system_.bar().inertia().massless(node) ? 0.0 : area * bar.impedance();
   const double force = std::max(-pushes.mean(), 0.0) * bar.modulus / h;
-  const double gained = force / (bar.density * bar.length) * time;
+  const double gained = force / (area_ * bar.density * bar.length) * time;
   pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
   if (const auto body = row_of_free_body(contacts_, i)) {
