@@ -277,6 +277,21 @@ TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
   EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
 }
 
+// On each mass the velocities of the start come by their moments, those of the frame by its nodes.
+TEST(ChainSensitivities, OfBarsWhoseEndMovesFromTheStartOn) {
+  const std::string text =
+      "[[bar]]\nlength = 0.8\nviscosity = 0.1\nvelocity = \"-0.5+c*x\"\nelements = 3\n[[bar]]\nlength = 1.2\ndensity = "
+      "1.7\nmodulus = 1.5\nviscosity = 0.08\nsection = \"1+0.5*x\"\nvelocity = 0.3\nelements = 4\n[left]\nkind = "
+      "\"fixed\"\nmotion = \"0.2*sin(2*t)\"\n[right]\nkind = \"fixed\"\nmotion = \"c*sin(3*t)\"\n[parameters]\nc = "
+      "0.1\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[method]\nname = \"rigid\"\nrelative_tolerance = "
+      "1e-11\nabsolute_tolerance = 1e-11\n";
+  for (const char* joint : {"joint.1.kind=bonded", "joint.1.kind=contact"})
+    for (const char* mass : {"lumped", "consistent", "fourth_order"})
+      for (const auto& [key, value] : std::map<std::string, double>{
+               {"bar.1.density", 1.0}, {"bar.2.density", 1.7}, {"bar.1.length", 0.8}, {"parameters.c", 0.1}})
+        expect_derivatives(text + "[[joint]]\n", key, value, {joint, fmt::format("mesh.mass={}", mass)});
+}
+
 // Checkpoints beyond where derivatives have ended, at a second impact of the same time.
 TEST(ChainSensitivity, ARunGoesOnBeyondItsDerivatives) {
   Case run = parse_scene(
