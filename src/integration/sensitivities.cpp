@@ -66,7 +66,7 @@ void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, co
 void Sensitivities::begin(double t, double end, std::span<double> y) {
   const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    const State initial = derivative.initial_state();
+    const State initial = derivative.initial_state(t);
     std::ranges::copy(initial.u, s.u().begin());
     std::ranges::copy(initial.v, s.w().begin());
     derivative.motion().load().begin_leg(t, end);

@@ -292,6 +292,18 @@ TEST(ChainSensitivities, OfBarsWhoseEndMovesFromTheStartOn) {
         expect_derivatives(text + "[[joint]]\n", key, value, {joint, fmt::format("mesh.mass={}", mass)});
 }
 
+TEST(ChainSensitivities, OfBarsThatBeginOnAnObstacleThatMoves) {
+  const std::string text =
+      "[[bar]]\nlength = 0.8\nviscosity = 0.1\nvelocity = \"-0.5+c*x\"\nelements = 3\n[[bar]]\nlength = 1.2\ndensity = "
+      "1.7\nmodulus = 1.5\nviscosity = 0.08\nvelocity = -0.2\nelements = 4\n[left]\nkind = \"obstacle\"\ngap = "
+      "\"-c*sin(2*t)\"\n[parameters]\nc = 0.1\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[contact]\nepsilon = "
+      "1e-2\n[method]\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n";
+  for (const char* method : {"rigid", "arkode"})
+    for (const auto& [key, value] :
+         std::map<std::string, double>{{"bar.1.density", 1.0}, {"bar.2.density", 1.7}, {"parameters.c", 0.1}})
+      expect_derivatives(text, key, value, {fmt::format("method.name={}", method)});
+}
+
 // Checkpoints beyond where derivatives have ended, at a second impact of the same time.
 TEST(ChainSensitivity, ARunGoesOnBeyondItsDerivatives) {
   Case run = parse_scene(
