@@ -392,8 +392,7 @@ void Sensitivities::strike_by_kink(const FrameJump& of_bar, const FrameJump& mov
 }
 
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
-  account_->lost = t;
-  account_->why = std::move(why);
+  if (!lost()) account_->lost = t, account_->why = std::move(why);
   // The derivatives that are advanced from here on are not told.
   for (std::size_t k = 0; k < pointers_.size(); ++k) std::ranges::fill(layout_->derivative(y, k), 0.0);
 }

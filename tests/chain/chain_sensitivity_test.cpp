@@ -277,6 +277,29 @@ TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
   EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
 }
 
+// A body pressed on a bar bounces until it rests, and derivatives end; another that strikes the bar opens that contact.
+TEST(ChainSensitivity, EndsWhereItFirstHasNone) {
+  Case run =
+      parse_scene(
+          "[[bar]]\nmass = 1.0\nvelocity = 0.2\n[[bar]]\nlength = 1.0\nviscosity = 1.0\nelements = 1\n[[bar]]\nmass "
+          "= 1.0\nvelocity = -1.0\n[[joint]]\nkind = \"contact\"\ngap = 0.01\n[[joint]]\nkind = \"contact\"\ngap = "
+          "1.0\n[left]\nkind = \"free\"\nforce = 1.0\n[time]\nend = 1.5\n[mesh]\nmass = "
+          "\"consistent\"\n[contact]\nrestitution = 0.5\n[method]\nname = \"rigid\"\n[output]\nevery = 0.05\n",
+          "")
+          .run;
+  run.directions = {direction(run, "joint.1.gap")};
+  double told_until = 0.0;
+  Observers observers;
+  observers.directions = run.directions;
+  observers.snapshot = [&](const Snapshot& at) {
+    if (!std::isnan(at.sensitivities[0].u[0])) told_until = at.time;
+  };
+  const Statistics done = simulate(resolve(run), observers);
+  ASSERT_TRUE(done.sensitivity->lost);
+  EXPECT_GE(*done.sensitivity->lost, told_until);
+  EXPECT_LT(*done.sensitivity->lost, told_until + 0.05);
+}
+
 // On each mass the velocities of the start come by their moments, those of the frame by its nodes.
 TEST(ChainSensitivities, OfBarsWhoseEndMovesFromTheStartOn) {
   const std::string text =
