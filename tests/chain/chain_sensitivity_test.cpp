@@ -277,6 +277,20 @@ TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
   EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
 }
 
+// A profile enters by its moments; so do derivatives by a number of its history.
+TEST(ChainSensitivities, OfTheHistoryOfALoad) {
+  for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\n",
+                          "[[bar]]\nlength = 1.0\nviscosity = 0.1\n[[bar]]\nmass = "
+                          "0.5\n"})
+    for (const char* mass : {"consistent", "fourth_order"})
+      expect_derivatives(
+          std::string(bar) +
+              "[load]\nprofile = \"sin(4*x)\"\nhistory = \"cos(c*t)\"\n[parameters]\nc = 2.0\n[time]\nend = "
+              "1.5\n[output]\nevery = 0.25\n[mesh]\nelements = 5\n[method]\nname = "
+              "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+          "parameters.c", 2.0, {fmt::format("mesh.mass={}", mass)});
+}
+
 // A body pressed on a bar bounces until it rests, and derivatives end; another that strikes the bar opens that contact.
 TEST(ChainSensitivity, EndsWhereItFirstHasNone) {
   Case run =
