@@ -291,6 +291,26 @@ TEST(ChainSensitivities, OfTheHistoryOfALoad) {
           "parameters.c", 2.0, {fmt::format("mesh.mass={}", mass)});
 }
 
+// From nothing the derivative by a gap begins with steps of one rounding of the time.
+TEST(ChainSensitivity, OfAGapPassesItsContactAtAnyTolerance) {
+  for (const char* tolerance : {"1e-8", "3e-9", "1e-9", "3e-10", "1e-11"})
+    for (const char* epsilon : {"1e-2", "1e-3", "1e-4", "1e-6"}) {
+      Case run = parse_scene(
+                     "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 1.0\nelements = 8\n[[bar]]\nlength = "
+                     "1.0\nviscosity = 0.1\nelements = 8\n[[joint]]\nkind = \"contact\"\ngap = 0.9\n[time]\nend = "
+                     "1.5\n[method]\nname = \"ida\"\n",
+                     "",
+                     Settings{fmt::format("contact.epsilon={}", epsilon),
+                              fmt::format("method.relative_tolerance={}", tolerance)})
+                     .run;
+      run.directions = {direction(run, "joint.1.gap")};
+      Observers observers;
+      observers.directions = run.directions;
+      observers.account = true;
+      EXPECT_TRUE(simulate(resolve(run), observers).completed) << tolerance << " " << epsilon;
+    }
+}
+
 // A body pressed on a bar bounces until it rests, and derivatives end; another that strikes the bar opens that contact.
 TEST(ChainSensitivity, EndsWhereItFirstHasNone) {
   Case run =
