@@ -277,6 +277,18 @@ TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
   EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
 }
 
+// The velocities of the start fit no free end with a dashpot, and high modes are put at their equilibrium, which
+// springs along the bar have a share in.
+TEST(ChainSensitivities, OfWhatHighModesAtAJumpMakeOfASide) {
+  for (const char* key : {"side.stiffness", "bar.modulus", "bar.length", "parameters.c"})
+    expect_derivatives(
+        "[bar]\nlength = 1.0\nviscosity = 0.05\n[left]\nkind = \"free\"\ndashpot = 0.3\n[right]\nkind = "
+        "\"free\"\ndashpot = 0.4\n[initial]\nvelocity = -1.0\n[time]\nend = 0.5\n[output]\nevery = "
+        "0.05\n[parameters]\nc = 5.0\n[mesh]\nelements = 8\nmass = \"fourth_order\"\n[method]\nname = "
+        "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+        key, key[0] == 'b' ? 1.0 : 5.0, {fmt::format("side.stiffness={}", key[0] == 'p' ? "c*(1 + 0.2*x)" : "5.0")});
+}
+
 // A profile enters by its moments; so do derivatives by a number of its history.
 TEST(ChainSensitivities, OfTheHistoryOfALoad) {
   for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\n",
