@@ -289,6 +289,18 @@ TEST(ChainSensitivities, OfWhatHighModesAtAJumpMakeOfASide) {
         key, key[0] == 'b' ? 1.0 : 5.0, {fmt::format("side.stiffness={}", key[0] == 'p' ? "c*(1 + 0.2*x)" : "5.0")});
 }
 
+// Of the momentum of the body and the bar; the derivative by c is 0 on both sides of the joint.
+TEST(ChainSensitivities, OfVelocitiesThatABondMakesOne) {
+  for (const char* mass : {"lumped", "consistent", "fourth_order"})
+    for (const auto& [key, value] :
+         std::map<std::string, double>{{"parameters.c", -0.4}, {"bar.1.mass", 0.5}, {"bar.2.density", 1.1}})
+      expect_derivatives(
+          "[[bar]]\nmass = 0.5\nvelocity = 0.5\n[[bar]]\nlength = 0.9\ndensity = 1.1\nviscosity = 0.1\nelements = "
+          "5\nvelocity = \"c*x\"\n[parameters]\nc = -0.4\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[method]\nname = "
+          "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+          key, value, {fmt::format("mesh.mass={}", mass)});
+}
+
 // A profile enters by its moments; so do derivatives by a number of its history.
 TEST(ChainSensitivities, OfTheHistoryOfALoad) {
   for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\n",
