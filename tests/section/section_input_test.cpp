@@ -126,5 +126,24 @@ TEST(SectionSensitivity, IsThatOfTheRunOnASpanObstacleWithRestitution) {
                 "[span]\ngap = 0.2\n[contact]\nrestitution = 0.5\n[method]\nname = \"cvode\"\n");
 }
 
+// Forces go with the area, the motion does not: nor do the tolerances that the scene has of itself, and so the steps.
+TEST(SectionInput, OfAnyUnitOfAreaHasTheSameToleranceOfItself) {
+  for (const char* what : {"[left]\nkind = \"free\"\nforce = \"a*sin(3*t)\"\n", "[load]\ndensity = 0.3\n",
+                           "[load]\ndensity = \"x*cos(t)\"\n[left]\nkind = \"free\"\nforce = \"0.1*a\"\n"})
+    for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\nsection = {0}\n",
+                            "[[bar]]\nlength = 1.0\nviscosity = 0.1\nsection = \"{0}*(1+x)\"\n[[bar]]\nmass = {1}\n"}) {
+      const auto steps_of = [&](double area) {
+        const std::string text =
+            fmt::format(fmt::runtime(bar), area, 2.0 * area) + what +
+            fmt::format("[parameters]\na = {}\n[time]\nend = 2.0\n[mesh]\nelements = 10\n[method]\nname = \"arkode\"\n",
+                        area);
+        return record(parse_scene(text, "").run).statistics.steps;
+      };
+      const auto steps = steps_of(1.0);
+      EXPECT_EQ(steps_of(std::ldexp(1.0, 20)), steps) << bar << what;
+      EXPECT_EQ(steps_of(std::ldexp(1.0, -14)), steps) << bar << what;
+    }
+}
+
 }  // namespace
 }  // namespace viscobar
