@@ -301,6 +301,19 @@ TEST(ChainSensitivities, OfVelocitiesThatABondMakesOne) {
           key, value, {fmt::format("mesh.mass={}", mass)});
 }
 
+// The end that stops at 0.1 leaves the other one with a pull, which opens at that time by it.
+TEST(ChainSensitivities, OfAContactThatAnotherOnesImpactTearsOff) {
+  for (const char* key : {"left.gap", "parameters.c"})
+    expect_derivatives(
+        "[bar]\nlength = 0.6144\ndensity = 1.1456\nmodulus = 0.9333\nviscosity = 0.3339\n[left]\nkind = "
+        "\"obstacle\"\ngap = 0.042\nside = \"above\"\nmass = 0.3256\n[right]\nkind = \"obstacle\"\ngap = "
+        "\"0.1147*sin(2.66*t)\"\nside = \"above\"\ndashpot = 0.0702\nmass = 0.1728\nforce = -0.2462\n[initial]\nvelocity = "
+        "\"c*(1 + 0.3*x)\"\n[load]\ndensity = \"0.412*sin(1.705*x + 2*t)\"\n[parameters]\nc = 0.415\n[time]\nend = "
+        "1.5\n[output]\nevery = 0.13\n[mesh]\nelements = 3\nmass = \"fourth_order\"\n[method]\nname = "
+        "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+        key, key[0] == 'l' ? 0.042 : 0.415, {"method.name=rigid"});
+}
+
 // A profile enters by its moments; so do derivatives by a number of its history.
 TEST(ChainSensitivities, OfTheHistoryOfALoad) {
   for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\n",
