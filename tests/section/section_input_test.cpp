@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "case/regime.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -143,6 +144,32 @@ TEST(SectionInput, OfAnyUnitOfAreaHasTheSameToleranceOfItself) {
       EXPECT_EQ(steps_of(std::ldexp(1.0, 20)), steps) << bar << what;
       EXPECT_EQ(steps_of(std::ldexp(1.0, -14)), steps) << bar << what;
     }
+}
+
+// An obstacle is as hard for the bar, and met as deep, whatever the unit of its area.
+TEST(SectionInput, OfAnyUnitOfAreaMeetsAsHardAnObstacle) {
+  const auto met = [](double area, const std::string& contact) {
+    const Case run = parse_scene(fmt::format("[bar]\nlength = 1.0\nviscosity = 0.02\nsection = {}\n[left]\nkind = "
+                                             "\"obstacle\"\ngap = 0.05\n{}[initial]\nvelocity = -1.0\n[time]\nend = "
+                                             "1.0\n[mesh]\nelements = 30\nmass = \"fourth_order\"\n[method]\nname = "
+                                             "\"arkode\"\n",
+                                             area, fmt::format(fmt::runtime(contact), 20.0 * area, 0.5 * area)),
+                                 "")
+                         .run;
+    const viscobar::Setup setup = resolve(run);
+    return std::pair(setup.epsilon * area, contact_regimes(setup, setup.system()).at(0));
+  };
+  for (const double area : {std::ldexp(1.0, 20), std::ldexp(1.0, -14)}) {
+    const auto [epsilon, regime] = met(area, "");
+    const auto [one, of_one] = met(1.0, "");
+    EXPECT_DOUBLE_EQ(epsilon, one);
+    EXPECT_DOUBLE_EQ(regime.impact->penetration, of_one.impact->penetration);
+    EXPECT_DOUBLE_EQ(regime.damping_ratio.value(), of_one.damping_ratio.value());
+    const std::string stop = "contact = {{ law = \"spring_damper\", stiffness = {}, damping = {} }}\n";
+    const StopForecast forecast = *met(area, stop).second.forecast, of_one_too = *met(1.0, stop).second.forecast;
+    EXPECT_NEAR(forecast.penetration / of_one_too.penetration, 1.0, 1e-9);
+    EXPECT_NEAR(forecast.restitution / of_one_too.restitution, 1.0, 1e-9);
+  }
 }
 
 }  // namespace
