@@ -146,6 +146,23 @@ TEST(SectionInput, OfAnyUnitOfAreaHasTheSameToleranceOfItself) {
     }
 }
 
+// Its steps are those of the rates of the bar, which no unit of area changes.
+TEST(SectionInput, OfAnyUnitOfAreaHasTheSameMotionByExponentials) {
+  const auto motion = [](double area) {
+    return record(
+        parse_scene(scene_text(fmt::format("viscosity = 0.1\nsection = \"{}*(1+x)\"", area), "elements = 8",
+                               fmt::format("[contact]\nepsilon = {}\n[method]\nname = \"exponential\"\n", 0.01 / area)),
+                    "")
+            .run);
+  };
+  const Recording of_one = motion(1.0);
+  for (const double area : {std::ldexp(1.0, 10), std::ldexp(1.0, 40), std::ldexp(1.0, -20)}) {
+    const Recording run = motion(area);
+    EXPECT_EQ(run.statistics.steps, of_one.statistics.steps);
+    for (std::size_t i = 0; i < run.u.size(); ++i) EXPECT_NEAR(run.u[i], of_one.u[i], 1e-13);
+  }
+}
+
 // An obstacle is as hard for the bar, and met as deep, whatever the unit of its area.
 TEST(SectionInput, OfAnyUnitOfAreaMeetsAsHardAnObstacle) {
   const auto met = [](double area, const std::string& contact) {
