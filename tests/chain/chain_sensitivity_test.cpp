@@ -289,7 +289,7 @@ TEST(ChainSensitivities, OfWhatHighModesAtAJumpMakeOfASide) {
         key, key[0] == 'b' ? 1.0 : 5.0, {fmt::format("side.stiffness={}", key[0] == 'p' ? "c*(1 + 0.2*x)" : "5.0")});
 }
 
-// Of the momentum of the body and the bar; the derivative by c is 0 on both sides of the joint.
+// They have one by the momentum of both; the derivative by c is 0 on either side of the joint.
 TEST(ChainSensitivities, OfVelocitiesThatABondMakesOne) {
   for (const char* mass : {"lumped", "consistent", "fourth_order"})
     for (const auto& [key, value] :

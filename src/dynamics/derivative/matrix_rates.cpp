@@ -154,7 +154,7 @@ std::vector<double> start_of_masses(const BarSystem& bar, const Direction& direc
   const MatrixRates matrices(bar, direction, nullptr);
   std::vector<double> gained = without_masses.initial_state().v, lost(bar.size());
   if (frame.moving()) {
-    // Of the frame the rows have the product with M, not the moments.
+    // The rows have the product of M with the velocity of the frame, not its moments.
     std::vector<double> whole(bar.mesh().nodes()), product(whole);
     std::ranges::copy(initial.v, bar.unknowns().part(std::span(whole)).begin());
     frame.add_lift(rate, whole);
