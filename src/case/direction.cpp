@@ -126,6 +126,16 @@ Direction::Beside beside(const Case& run, double apart, const std::function<void
   return {both[0].scene, both[1].scene, both[0].mesh(), both[1].mesh(), apart};
 }
 
+// True where bonded members have unlike velocities, which enter by their moments: so do derivatives, be they alike.
+bool meet_unlike(const std::vector<Member>& chain) {
+  for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+    const Member &one = chain[k], &next = chain[k + 1];
+    if (one.joint.kind == JointKind::bonded && one.velocity(one.rigid() ? 0.0 : one.bar.length) != next.velocity(0.0))
+      return true;
+  }
+  return false;
+}
+
 // Its errors are some 1e-10 of a derivative, by its square and by rounding.
 constexpr double share_of_difference = 1e-5;
 
@@ -165,6 +175,7 @@ Direction direction(const Case& run, std::string_view key) {
   data.chain = along.members = scene.chain;
   if (!scene.chain.empty() || key == "bar.length" || key.empty())
     data.displacement_places = scene.displacement_places, data.velocity_places = scene.velocity_places;
+  data.velocity_places.by_moments = meet_unlike(scene.chain);
   for (Member& member : data.chain) member.joint.gap = 0.0, member.displacement = member.velocity = data.displacement;
   double* place = scene.chain.empty() || !key.starts_with("bar.") ? number_of(along.bar, data, key) : nullptr;
   if (double* of_member = number_of(along.members, key))

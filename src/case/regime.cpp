@@ -158,23 +158,26 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       falling = std::min(falling, v);
       continue;
     }
-    const double h = system.elements().stretch_beside(contact.unknown), m = masses[contact.unknown];
+    const bool right = contact.where == Where::right;
+    const double area = area_at(system, right), h = area * system.elements().stretch_beside(contact.unknown),
+                 m = masses[contact.unknown];
+    const Bar whole = whole_section(bar, area);
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;
-      if (v < 0.0) regime.forecast = forecast(bar, system.inputs()[contact.where == Where::right].mass, *stop, -v);
+      if (v < 0.0) regime.forecast = forecast(whole, system.inputs()[right].mass, *stop, -v);
       regimes.push_back(regime);
       continue;
     }
     // Nothing brings back a node that is thrown before a wave has crossed its element.
     if (m > 0.0 && h * bar.slowness() < run.end) {
-      regime.damping_ratio = own + viscous_ratio(bar, h, m, 1.0 / epsilon);
-      regime.quiet_epsilon = h / bar.modulus;
+      regime.damping_ratio = own + viscous_ratio(whole, h, m, 1.0 / epsilon);
+      regime.quiet_epsilon = h / whole.modulus;
       if (bar.viscosity > 0.0)
-        regime.quiet_epsilon = std::min(regime.quiet_epsilon, 4.0 * m * h * h / (bar.viscosity * bar.viscosity));
+        regime.quiet_epsilon = std::min(regime.quiet_epsilon, 4.0 * m * h * h / (whole.viscosity * whole.viscosity));
       regime.chatters = *regime.damping_ratio < 1.0 && epsilon < regime.quiet_epsilon;
     }
-    if (v < 0.0) regime.impact = predict_impact(bar, h, m, epsilon, -v);
+    if (v < 0.0) regime.impact = predict_impact(whole, h, m, epsilon, -v);
     regimes.push_back(regime);
   }
   if (run.scene.span) {

@@ -17,6 +17,11 @@ inline bool is_no_obstacle(double penetration, double displacement) {
   return penetration > 0.0 && penetration >= share * displacement;
 }
 
+/// A bar of section 1 with the mass, the stiffness and the viscosity of one of section A.
+inline Bar whole_section(Bar bar, double area) {
+  bar.density *= area, bar.modulus *= area, bar.viscosity *= area;
+  return bar;
+}
 /// natural_epsilon() in letters.
 inline const char* natural_epsilon_words(const Scene& scene) { return is_penalty_of_span(scene) ? "L^2/E" : "L/E"; }
 
@@ -43,6 +48,7 @@ struct StopForecast {
   double damping_ratio = 0.0;  ///< zeta of the lone mass m + rho L at its deepest, dN/dd' / (2 sqrt((m + rho L) dN/dd))
   double restitution = 0.0;    ///< speed that the law leaves to a lone mass m + rho L, as a part of V
 };
+/// @param bar of section 1, or whole_section() of another
 StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed);
 
 /// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /

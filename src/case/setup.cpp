@@ -77,9 +77,21 @@ Chosen<Mass> mass_of(const Case& run) {
   return {Mass::consistent, "of the elements; the scene and the method take no better one"};
 }
 
+// The largest A of the ends of bars, where contacts are.
+double largest_end(const Scene& scene) {
+  double largest = 0.0;
+  const auto look = [&](const SpaceFunction& section, double length) {
+    largest = std::max({largest, section ? section(0.0) : 1.0, section ? section(length) : 1.0});
+  };
+  if (scene.chain.empty()) look(scene.section, scene.bar.length);
+  for (const Member& member : scene.chain)
+    if (!member.rigid()) look(member.section, member.bar.length);
+  return largest;
+}
+
 Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   if (run.epsilon) return {*run.epsilon, asked};
-  const Bar& bar = run.scene.bar;
+  const Bar bar = whole_section(run.scene.bar, largest_end(run.scene));
   const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;
   const double unit = natural_epsilon(run.scene), speed = bar.wave_speed();
   // A mass that strikes an obstacle is (m epsilon)^(1/2) times its speed deep before it stops.
@@ -134,7 +146,7 @@ Mass common_mass(const Case& run) {
 }
 
 double natural_epsilon(const Scene& scene) {
-  const double unit = scene.bar.length / scene.bar.modulus;
+  const double unit = scene.bar.length / (scene.bar.modulus * largest_end(scene));
   return is_penalty_of_span(scene) ? unit * scene.bar.length : unit;
 }
 

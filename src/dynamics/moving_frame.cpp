@@ -47,6 +47,13 @@ MovingFrame MovingFrame::following(const SideRows* side) const {
   return frame;
 }
 
+MovingFrame MovingFrame::resting(const SideRows* side) const {
+  MovingFrame frame = *this;
+  frame.following_ = false;
+  frame.enter(side);
+  return frame;
+}
+
 MovingFrame MovingFrame::with(const SideRows* side) const {
   MovingFrame frame = *this;
   frame.enter(side);

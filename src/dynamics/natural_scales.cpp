@@ -8,6 +8,8 @@
 #include <numeric>
 #include <span>
 
+#include "dynamics/assembly/assembled.hpp"
+#include "dynamics/pieces.hpp"
 #include "viscobar/dynamics/load_vector.hpp"
 
 namespace viscobar {
@@ -44,25 +46,37 @@ double mean(double end, int looks, const auto& f, const NextBreak& breaks) {
   return sum;
 }
 
-// max over x of |f|, its mean over time: M f by the weight of a node inside. A load that is a blow moves the bar by its
-// impulse and not by its height.
-double mean_load(const BarSystem& system, double end) {
+// Sums of the rows of rho M, of an end that of the next node: a row there has half an element, and what is mounted.
+std::vector<double> row_weights(const BarSystem& system) {
+  std::vector<double> weights(system.size());
+  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = row_sum(system.inertia().matrix(), i);
+  if (weights.size() > 2) weights.front() = weights[1], weights.back() = weights[weights.size() - 2];
+  return weights;
+}
+
+// max over x of |f| / rho, its mean over time: the load of a row by its weight, which has the section that it has. A
+// load that is a blow moves the bar by its impulse and not by its height.
+double mean_acceleration(const BarSystem& system, double end) {
   if (!system.loaded()) return 0.0;
   LoadVector load(system);
+  const std::vector<double> weights = row_weights(system);
   // A force on an end is none along the bar.
   const auto& [left, right] = system.inputs();
   const bool ends = left.force || right.force || system.frame().moving();
+  const std::size_t outer = ends && weights.size() > 2 ? 1 : 0;
   return mean(
-             end, load.steady() ? 1 : looks_at_varying,
-             [&](double t) {
-               const std::span<const double> all = load.at(t);
-               return largest(ends && all.size() > 2 ? all.subspan(1, all.size() - 2) : all);
-             },
-             [&](double after, double until) -> std::optional<double> {
-               const double next = load.enter(after, until);
-               return next < until ? std::optional(next) : std::nullopt;
-             }) /
-         system.mesh().spacing();
+      end, load.steady() ? 1 : looks_at_varying,
+      [&](double t) {
+        const std::span<const double> all = load.at(t);
+        double most = 0.0;
+        for (std::size_t i = outer; i + outer < all.size(); ++i)
+          if (weights[i] > 0.0) most = std::max(most, std::abs(all[i]) / weights[i]);
+        return most;
+      },
+      [&](double after, double until) -> std::optional<double> {
+        const double next = load.enter(after, until);
+        return next < until ? std::optional(next) : std::nullopt;
+      });
 }
 
 double mean_size(const TimeFunction& f, const NextBreak& breaks, double end) {
@@ -70,15 +84,16 @@ double mean_size(const TimeFunction& f, const NextBreak& breaks, double end) {
       end, looks_at_varying, [&](double t) { return std::abs(f(t)); }, breaks);
 }
 
-// The displacement that forces on the ends and the motion of fixed ones make, by their means over time: F / (rho c) is
-// the velocity of the wave that a force sends, which goes on for tau.
+// The displacement that forces on the ends and the motion of fixed ones make, by their means over time: F / (rho c A)
+// is the velocity of the wave that a force sends, which goes on for tau.
 double moved_by_ends(const BarSystem& system, double tau, double end) {
   const Bar& bar = system.bar();
   double most = 0.0;
   for (const bool right : {false, true}) {
     const EndInput& input = system.inputs()[right];
     if (input.force)
-      most = std::max(most, tau * mean_size(input.force->value, input.force->breaks, end) / bar.impedance());
+      most = std::max(most, tau * mean_size(input.force->value, input.force->breaks, end) /
+                                (bar.impedance() * area_at(system, right)));
     if (input.motion && system.unknowns().wall(right))
       most = std::max(most, mean_size(input.motion->displacement, input.motion->breaks, end));
   }
@@ -96,6 +111,15 @@ double moved_by_obstacles(const BarSystem& system, double end) {
 
 }  // namespace
 
+double area_at(const BarSystem& system, bool right) {
+  const std::vector<Piece>& pieces = system.elements().pieces();
+  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
+  const Piece& piece =
+      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
+  const std::size_t e = right ? piece.mesh.elements - 1 : 0;
+  return piece.mesh.element(e) / piece.stretch(e);
+}
+
 double displacement_of_data(const BarSystem& system, double end) {
   const Bar& bar = system.bar();
   const State start = system.initial_state();
@@ -103,8 +127,8 @@ double displacement_of_data(const BarSystem& system, double end) {
   const double mean = std::accumulate(start.u.begin(), start.u.end(), 0.0) / static_cast<double>(start.u.size());
   double deviation = 0.0;
   for (const double u : start.u) deviation = std::max(deviation, std::abs(u - mean));
-  double scale = std::max({deviation, tau * largest(start.v), tau * tau * mean_load(system, end) / bar.density,
-                           moved_by_ends(system, tau, end)});
+  double scale = std::max(
+      {deviation, tau * largest(start.v), tau * tau * mean_acceleration(system, end), moved_by_ends(system, tau, end)});
   if (scale == 0.0) scale = moved_by_obstacles(system, end);
   return std::isfinite(scale) ? scale : 0.0;
 }

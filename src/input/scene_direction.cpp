@@ -49,6 +49,9 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   if (!of_history)
     return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks_and_pulses(0.0),
                          profile->places(length)};
+  if (!of_profile && stretched == 0.0)
+    return SeparableLoad{profile->of_x(), [of_history](double t) { return of_history(0.0, t); },
+                         history->breaks_and_pulses(0.0), profile->places(length)};
   return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
                        return moved(x, t) * g(t) + f(x) * of_history(x, t);
                      },

@@ -61,7 +61,7 @@ void Sensitivities::attach(const Layout& layout, SensitivityAccount& account, co
 void Sensitivities::begin(double t, double end, std::span<double> y) {
   const Moment at = look_at(t, y);
   each(y, [&](std::size_t, Derivative& derivative, const Block& s) {
-    const State initial = derivative.initial_state();
+    const State initial = derivative.initial_state(t);
     std::ranges::copy(initial.u, s.u().begin());
     std::ranges::copy(initial.v, s.w().begin());
     derivative.motion().load().begin_leg(t, end);
@@ -180,8 +180,7 @@ void Sensitivities::strike_by_kink(const FrameJump& of_bar, const FrameJump& mov
 }
 
 void Sensitivities::lose(double t, std::string why, std::span<double> y) {
-  account_->lost = t;
-  account_->why = std::move(why);
+  if (!lost()) account_->lost = t, account_->why = std::move(why);
   // The derivatives that are advanced from here on are not told.
   for (std::size_t k = 0; k < pointers_.size(); ++k) std::ranges::fill(layout_->derivative(y, k), 0.0);
 }

@@ -120,6 +120,7 @@ class Sensitivities {
   double indicator_rate(const Moment& at, std::size_t i, bool by_push);
   bool grazes(std::size_t i, double rate) const;
   bool opens_by_reaction(std::size_t i) const;
+  bool is_torn_off(const Moment& at, std::size_t i);
   bool jumps(std::size_t i, bool by_push) const;
 
   PenalisedSystem& system_;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/contact_forces.hpp"
 #include "dynamics/indicator.hpp"
 #include "integration/sensitivities.hpp"
 
@@ -65,6 +66,17 @@ bool Sensitivities::opens_by_reaction(std::size_t i) const {
   return contacts_.closed(i) && (contacts_[i].holds || (contacts_[i].relaxes() && contacts_[i].changes_by_row));
 }
 
+// True if a rigid contact opens because of another's change at that time, which leaves it with a pull: then its time is
+// that of the other.
+bool Sensitivities::is_torn_off(const Moment& at, std::size_t i) {
+  if (at.t != last_change_.first || i == last_change_.second || !contacts_.closed(i) || !contacts_[i].collides)
+    return false;
+  const Bar& bar = system_.bar().bar();
+  const double h = system_.bar().elements().stretch_beside(contacts_[i].unknown);
+  const double pull = -contacts_[i].sign * holding_force(system_, i, at.t, at.u, at.w) * h / bar.modulus;
+  return pull > weights_->promised_displacement() + bar.viscosity / bar.modulus * weights_->promised_velocity();
+}
+
 // True if the rate of the state jumps where contact i changes: without a dashpot a spring begins and ends with none,
 // and a stop ends with none.
 bool Sensitivities::jumps(std::size_t i, bool by_push) const {
@@ -81,7 +93,8 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
   const Contact& contact = contacts_[i];
   const Moment at = look_at(t, y);
   const double rate = indicator_rate(at, i, by_push);
-  const bool graze = grazes(i, rate) || (since < t && contacts_[i].collides), held = opens_by_reaction(i);
+  const bool forced = is_torn_off(at, i), held = opens_by_reaction(i);
+  const bool graze = !forced && (grazes(i, rate) || (since < t && contacts_[i].collides));
   const double acceleration = acceleration_of(at, i);
   old_velocity_ = w_;
   old_acceleration_ = acceleration_;
@@ -93,7 +106,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
                                 : derivative.motion().contacts().clearance(i, s.u());
     // A reaction that is nothing from another contact's opening on, as of two forces on one body, ends with that.
     const bool follows = fall == 0.0 && held && graze && t == last_change_.first && i != last_change_.second;
-    shifts_[k] = follows ? shifts_[k] : fall == 0.0 ? 0.0 : -fall / rate;
+    if (!follows && !forced) shifts_[k] = fall == 0.0 ? 0.0 : -fall / rate;
     moves |= fall != 0.0;
     if (!graze || fall == 0.0)
       changes[k] = {shifts_[k], contact.of(s.w()) + (shifts_[k] == 0.0 ? 0.0 : acceleration * shifts_[k])};

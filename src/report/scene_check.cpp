@@ -253,13 +253,15 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
   if (!foreseen || regime.where == Where::span) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
   if (first == foreseen->impacts.end() || first->speed == 0.0) return;
+  const bool right = regime.where == Where::right;
+  const double area = area_at(system, right);
+  const Bar whole = whole_section(system.bar(), area);
   if (regime.stop) {
-    const double mass = system.inputs()[regime.where == Where::right].mass;
-    regime.forecast = forecast(system.bar(), mass, *regime.stop, first->speed);
+    regime.forecast = forecast(whole, system.inputs()[right].mass, *regime.stop, first->speed);
     return;
   }
-  const double h = system.elements().stretch_beside(regime.where == Where::left ? 0 : system.size() - 1);
-  regime.impact = predict_impact(system.bar(), h, regime.effective_mass, epsilon, first->speed);
+  const double h = area * system.elements().stretch_beside(right ? system.size() - 1 : 0);
+  regime.impact = predict_impact(whole, h, regime.effective_mass, epsilon, first->speed);
 }
 
 Json to_json(const FirstImpact& impact) {

@@ -277,6 +277,127 @@ TEST(ChainSensitivity, AnEndThatMovesFromTheStartOnIsNoPartOfIt) {
   EXPECT_NEAR(last[0], 0.9 * of_speed, 1e-9);
 }
 
+// The velocities of the start fit no free end with a dashpot, and high modes are put at their equilibrium, which
+// springs along the bar have a share in.
+TEST(ChainSensitivities, OfWhatHighModesAtAJumpMakeOfASide) {
+  for (const char* key : {"side.stiffness", "bar.modulus", "bar.length", "parameters.c"})
+    expect_derivatives(
+        "[bar]\nlength = 1.0\nviscosity = 0.05\n[left]\nkind = \"free\"\ndashpot = 0.3\n[right]\nkind = "
+        "\"free\"\ndashpot = 0.4\n[initial]\nvelocity = -1.0\n[time]\nend = 0.5\n[output]\nevery = "
+        "0.05\n[parameters]\nc = 5.0\n[mesh]\nelements = 8\nmass = \"fourth_order\"\n[method]\nname = "
+        "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+        key, key[0] == 'b' ? 1.0 : 5.0, {fmt::format("side.stiffness={}", key[0] == 'p' ? "c*(1 + 0.2*x)" : "5.0")});
+}
+
+// They have one by the momentum of both; the derivative by c is 0 on either side of the joint.
+TEST(ChainSensitivities, OfVelocitiesThatABondMakesOne) {
+  for (const char* mass : {"lumped", "consistent", "fourth_order"})
+    for (const auto& [key, value] :
+         std::map<std::string, double>{{"parameters.c", -0.4}, {"bar.1.mass", 0.5}, {"bar.2.density", 1.1}})
+      expect_derivatives(
+          "[[bar]]\nmass = 0.5\nvelocity = 0.5\n[[bar]]\nlength = 0.9\ndensity = 1.1\nviscosity = 0.1\nelements = "
+          "5\nvelocity = \"c*x\"\n[parameters]\nc = -0.4\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[method]\nname = "
+          "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+          key, value, {fmt::format("mesh.mass={}", mass)});
+}
+
+// The end that stops at 0.1 leaves the other one with a pull, which opens at that time by it.
+TEST(ChainSensitivities, OfAContactThatAnotherOnesImpactTearsOff) {
+  for (const char* key : {"left.gap", "parameters.c"})
+    expect_derivatives(
+        "[bar]\nlength = 0.6144\ndensity = 1.1456\nmodulus = 0.9333\nviscosity = 0.3339\n[left]\nkind = "
+        "\"obstacle\"\ngap = 0.042\nside = \"above\"\nmass = 0.3256\n[right]\nkind = \"obstacle\"\ngap = "
+        "\"0.1147*sin(2.66*t)\"\nside = \"above\"\ndashpot = 0.0702\nmass = 0.1728\nforce = -0.2462\n[initial]\nvelocity = "
+        "\"c*(1 + 0.3*x)\"\n[load]\ndensity = \"0.412*sin(1.705*x + 2*t)\"\n[parameters]\nc = 0.415\n[time]\nend = "
+        "1.5\n[output]\nevery = 0.13\n[mesh]\nelements = 3\nmass = \"fourth_order\"\n[method]\nname = "
+        "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+        key, key[0] == 'l' ? 0.042 : 0.415, {"method.name=rigid"});
+}
+
+// A profile enters by its moments; so do derivatives by a number of its history.
+TEST(ChainSensitivities, OfTheHistoryOfALoad) {
+  for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\n",
+                          "[[bar]]\nlength = 1.0\nviscosity = 0.1\n[[bar]]\nmass = "
+                          "0.5\n"})
+    for (const char* mass : {"consistent", "fourth_order"})
+      expect_derivatives(
+          std::string(bar) +
+              "[load]\nprofile = \"sin(4*x)\"\nhistory = \"cos(c*t)\"\n[parameters]\nc = 2.0\n[time]\nend = "
+              "1.5\n[output]\nevery = 0.25\n[mesh]\nelements = 5\n[method]\nname = "
+              "\"rigid\"\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n",
+          "parameters.c", 2.0, {fmt::format("mesh.mass={}", mass)});
+}
+
+// From nothing the derivative by a gap begins with steps of one rounding of the time.
+TEST(ChainSensitivity, OfAGapPassesItsContactAtAnyTolerance) {
+  for (const char* tolerance : {"1e-8", "3e-9", "1e-9", "3e-10", "1e-11"})
+    for (const char* epsilon : {"1e-2", "1e-3", "1e-4", "1e-6"}) {
+      Case run = parse_scene(
+                     "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 1.0\nelements = 8\n[[bar]]\nlength = "
+                     "1.0\nviscosity = 0.1\nelements = 8\n[[joint]]\nkind = \"contact\"\ngap = 0.9\n[time]\nend = "
+                     "1.5\n[method]\nname = \"ida\"\n",
+                     "",
+                     Settings{fmt::format("contact.epsilon={}", epsilon),
+                              fmt::format("method.relative_tolerance={}", tolerance)})
+                     .run;
+      run.directions = {direction(run, "joint.1.gap")};
+      Observers observers;
+      observers.directions = run.directions;
+      observers.account = true;
+      EXPECT_TRUE(simulate(resolve(run), observers).completed) << tolerance << " " << epsilon;
+    }
+}
+
+// A body pressed on a bar bounces until it rests, and derivatives end; another that strikes the bar opens that contact.
+TEST(ChainSensitivity, EndsWhereItFirstHasNone) {
+  Case run =
+      parse_scene(
+          "[[bar]]\nmass = 1.0\nvelocity = 0.2\n[[bar]]\nlength = 1.0\nviscosity = 1.0\nelements = 1\n[[bar]]\nmass "
+          "= 1.0\nvelocity = -1.0\n[[joint]]\nkind = \"contact\"\ngap = 0.01\n[[joint]]\nkind = \"contact\"\ngap = "
+          "1.0\n[left]\nkind = \"free\"\nforce = 1.0\n[time]\nend = 1.5\n[mesh]\nmass = "
+          "\"consistent\"\n[contact]\nrestitution = 0.5\n[method]\nname = \"rigid\"\n[output]\nevery = 0.05\n",
+          "")
+          .run;
+  run.directions = {direction(run, "joint.1.gap")};
+  double told_until = 0.0;
+  Observers observers;
+  observers.directions = run.directions;
+  observers.snapshot = [&](const Snapshot& at) {
+    if (!std::isnan(at.sensitivities[0].u[0])) told_until = at.time;
+  };
+  const Statistics done = simulate(resolve(run), observers);
+  ASSERT_TRUE(done.sensitivity->lost);
+  EXPECT_GE(*done.sensitivity->lost, told_until);
+  EXPECT_LT(*done.sensitivity->lost, told_until + 0.05);
+}
+
+// On each mass the velocities of the start come by their moments, those of the frame by its nodes.
+TEST(ChainSensitivities, OfBarsWhoseEndMovesFromTheStartOn) {
+  const std::string text =
+      "[[bar]]\nlength = 0.8\nviscosity = 0.1\nvelocity = \"-0.5+c*x\"\nelements = 3\n[[bar]]\nlength = 1.2\ndensity = "
+      "1.7\nmodulus = 1.5\nviscosity = 0.08\nsection = \"1+0.5*x\"\nvelocity = 0.3\nelements = 4\n[left]\nkind = "
+      "\"fixed\"\nmotion = \"0.2*sin(2*t)\"\n[right]\nkind = \"fixed\"\nmotion = \"c*sin(3*t)\"\n[parameters]\nc = "
+      "0.1\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[method]\nname = \"rigid\"\nrelative_tolerance = "
+      "1e-11\nabsolute_tolerance = 1e-11\n";
+  for (const char* joint : {"joint.1.kind=bonded", "joint.1.kind=contact"})
+    for (const char* mass : {"lumped", "consistent", "fourth_order"})
+      for (const auto& [key, value] : std::map<std::string, double>{
+               {"bar.1.density", 1.0}, {"bar.2.density", 1.7}, {"bar.1.length", 0.8}, {"parameters.c", 0.1}})
+        expect_derivatives(text + "[[joint]]\n", key, value, {joint, fmt::format("mesh.mass={}", mass)});
+}
+
+TEST(ChainSensitivities, OfBarsThatBeginOnAnObstacleThatMoves) {
+  const std::string text =
+      "[[bar]]\nlength = 0.8\nviscosity = 0.1\nvelocity = \"-0.5+c*x\"\nelements = 3\n[[bar]]\nlength = 1.2\ndensity = "
+      "1.7\nmodulus = 1.5\nviscosity = 0.08\nvelocity = -0.2\nelements = 4\n[left]\nkind = \"obstacle\"\ngap = "
+      "\"-c*sin(2*t)\"\n[parameters]\nc = 0.1\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[contact]\nepsilon = "
+      "1e-2\n[method]\nrelative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n";
+  for (const char* method : {"rigid", "arkode"})
+    for (const auto& [key, value] :
+         std::map<std::string, double>{{"bar.1.density", 1.0}, {"bar.2.density", 1.7}, {"parameters.c", 0.1}})
+      expect_derivatives(text, key, value, {fmt::format("method.name={}", method)});
+}
+
 // Checkpoints beyond where derivatives have ended, at a second impact of the same time.
 TEST(ChainSensitivity, ARunGoesOnBeyondItsDerivatives) {
   Case run = parse_scene(

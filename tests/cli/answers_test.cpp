@@ -58,6 +58,22 @@ TEST_F(Answers, AFitHasTheMethodTheLawAndTheMassOfTheRun) {
   }
 }
 
+TEST_F(Answers, AFitFindsTheNumberOfASection) {
+  const std::string rest =
+      "[right]\nkind = \"free\"\nmass = 0.5\nstiffness = 2.0\n[time]\nend = 2.0\n[mesh]\nelements = 8\n";
+  for (const auto& [key, text] :
+       {std::pair("bar.section",
+                  "[bar]\nlength = 1.0\nviscosity = 0.1\nsection = 1.5\n[initial]\nvelocity = \"x*x\"\n"),
+        std::pair("bar.2.section",
+                  "[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = \"x*x\"\n[[bar]]\nlength = "
+                  "0.5\nviscosity = 0.1\nvelocity = 1.0\nsection = 1.5\n")}) {
+    write("scene.toml", text + rest);
+    ASSERT_EQ(viscobar("run scene.toml -q --no-estimate -o made").code, 0);
+    const auto json = fitted(fmt::format("--data made/ends.csv --parameters {0} --set {0}=1.2", key));
+    EXPECT_NEAR(json["parameters"][key]["estimate"].get<double>(), 1.5, 1e-5) << key;
+  }
+}
+
 // A lone mass falls by 1/2 under g = 1 and bounces; seven times later it is on its third way up and down. With n
 // bounces of speeds e^k its height then is e^(n + 1) s - s^2 / 2, s = 7 - 2 (e + ... + e^n). From 0.8 up to 0.95 that
 // has a turning point in each flight, and none is as high as the datum.

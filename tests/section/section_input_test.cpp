@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "case/regime.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -124,6 +125,68 @@ TEST(SectionSensitivity, IsThatOfTheRunAtNodesWithoutMass) {
 TEST(SectionSensitivity, IsThatOfTheRunOnASpanObstacleWithRestitution) {
   expect_slopes("elements = 10\nmass = \"consistent\"",
                 "[span]\ngap = 0.2\n[contact]\nrestitution = 0.5\n[method]\nname = \"cvode\"\n");
+}
+
+// Forces go with the area, the motion does not: nor do the tolerances that the scene has of itself, and so the steps.
+TEST(SectionInput, OfAnyUnitOfAreaHasTheSameToleranceOfItself) {
+  for (const char* what : {"[left]\nkind = \"free\"\nforce = \"a*sin(3*t)\"\n", "[load]\ndensity = 0.3\n",
+                           "[load]\ndensity = \"x*cos(t)\"\n[left]\nkind = \"free\"\nforce = \"0.1*a\"\n"})
+    for (const char* bar : {"[bar]\nlength = 1.0\nviscosity = 0.1\nsection = {0}\n",
+                            "[[bar]]\nlength = 1.0\nviscosity = 0.1\nsection = \"{0}*(1+x)\"\n[[bar]]\nmass = {1}\n"}) {
+      const auto steps_of = [&](double area) {
+        const std::string text =
+            fmt::format(fmt::runtime(bar), area, 2.0 * area) + what +
+            fmt::format("[parameters]\na = {}\n[time]\nend = 2.0\n[mesh]\nelements = 10\n[method]\nname = \"arkode\"\n",
+                        area);
+        return record(parse_scene(text, "").run).statistics.steps;
+      };
+      const auto steps = steps_of(1.0);
+      EXPECT_EQ(steps_of(std::ldexp(1.0, 20)), steps) << bar << what;
+      EXPECT_EQ(steps_of(std::ldexp(1.0, -14)), steps) << bar << what;
+    }
+}
+
+// Its steps are those of the rates of the bar, which no unit of area changes.
+TEST(SectionInput, OfAnyUnitOfAreaHasTheSameMotionByExponentials) {
+  const auto motion = [](double area) {
+    return record(
+        parse_scene(scene_text(fmt::format("viscosity = 0.1\nsection = \"{}*(1+x)\"", area), "elements = 8",
+                               fmt::format("[contact]\nepsilon = {}\n[method]\nname = \"exponential\"\n", 0.01 / area)),
+                    "")
+            .run);
+  };
+  const Recording of_one = motion(1.0);
+  for (const double area : {std::ldexp(1.0, 10), std::ldexp(1.0, 40), std::ldexp(1.0, -20)}) {
+    const Recording run = motion(area);
+    EXPECT_EQ(run.statistics.steps, of_one.statistics.steps);
+    for (std::size_t i = 0; i < run.u.size(); ++i) EXPECT_NEAR(run.u[i], of_one.u[i], 1e-13);
+  }
+}
+
+// An obstacle is as hard for the bar, and met as deep, whatever the unit of its area.
+TEST(SectionInput, OfAnyUnitOfAreaMeetsAsHardAnObstacle) {
+  const auto met = [](double area, const std::string& contact) {
+    const Case run = parse_scene(fmt::format("[bar]\nlength = 1.0\nviscosity = 0.02\nsection = {}\n[left]\nkind = "
+                                             "\"obstacle\"\ngap = 0.05\n{}[initial]\nvelocity = -1.0\n[time]\nend = "
+                                             "1.0\n[mesh]\nelements = 30\nmass = \"fourth_order\"\n[method]\nname = "
+                                             "\"arkode\"\n",
+                                             area, fmt::format(fmt::runtime(contact), 20.0 * area, 0.5 * area)),
+                                 "")
+                         .run;
+    const viscobar::Setup setup = resolve(run);
+    return std::pair(setup.epsilon * area, contact_regimes(setup, setup.system()).at(0));
+  };
+  for (const double area : {std::ldexp(1.0, 20), std::ldexp(1.0, -14)}) {
+    const auto [epsilon, regime] = met(area, "");
+    const auto [one, of_one] = met(1.0, "");
+    EXPECT_DOUBLE_EQ(epsilon, one);
+    EXPECT_DOUBLE_EQ(regime.impact->penetration, of_one.impact->penetration);
+    EXPECT_DOUBLE_EQ(regime.damping_ratio.value(), of_one.damping_ratio.value());
+    const std::string stop = "contact = {{ law = \"spring_damper\", stiffness = {}, damping = {} }}\n";
+    const StopForecast forecast = *met(area, stop).second.forecast, of_one_too = *met(1.0, stop).second.forecast;
+    EXPECT_NEAR(forecast.penetration / of_one_too.penetration, 1.0, 1e-9);
+    EXPECT_NEAR(forecast.restitution / of_one_too.restitution, 1.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -240,6 +240,19 @@ gap = "depth - push*t*exp(-omega*t)"
                    with({"parameters.depth", "parameters.push", "parameters.omega", "parameters.speed"})});
 }
 
+TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsThatBeginOnAnObstacleThatMoves) {
+  for (const char* right : {"kind = \"free\"\nforce = \"-push\"", "kind = \"fixed\"\nmotion = \"-push*t\""})
+    expect_slopes({"gap(t) from 0",
+                   fmt::format(R"~(
+[left]
+kind = "obstacle"
+gap = "-depth*sin(omega*t)"
+[right]
+{})~",
+                               right),
+                   with({"parameters.depth", "parameters.omega", "parameters.push", "parameters.speed"})});
+}
+
 // At 1.1 and 1.9 the end stops and goes on, in touch or not.
 TEST(SensitivitiesOfDrivenEnds, PassKinksOfAMotion) {
   for (const char* method : {"cvode", "ida", "arkode"})

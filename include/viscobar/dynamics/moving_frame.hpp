@@ -61,6 +61,8 @@ class MovingFrame {
   bool moves(bool right) const { return motions_[right] && (unknowns_.wall(right) || following_); }
   /// The frame that moves with the obstacles that move, too.
   MovingFrame following(const SideRows* side) const;
+  /// The frame that moves with fixed ends alone, in which BarSystem::initial_state() is.
+  MovingFrame resting(const SideRows* side) const;
   /// This one, with another resistance along the bar.
   MovingFrame with(const SideRows* side) const;
   bool follows() const { return following_; }  ///< true if it moves with obstacles

@@ -83,8 +83,9 @@ inline NextBreak either_of(const NextBreak& a, const NextBreak& b) {
 /// moments between those places, int phi_i f dx, where they are not smooth or the mesh is too coarse for them, and on
 /// `fourth_order` always; else, and where nothing is known, by their values at the nodes.
 struct Places {
-  NextBreak breaks = {};  ///< of x: where it jumps or has a kink
-  NextBreak detail = {};  ///< where a stretch begins or ends that needs a finer mesh than one of some 100 elements
+  NextBreak breaks = {};    ///< of x: where it jumps or has a kink
+  NextBreak detail = {};    ///< where a stretch begins or ends that needs a finer mesh than one of some 100 elements
+  bool by_moments = false;  ///< it enters by moments on any mesh, where breaks are known
 };
 
 /// f(x): evaluated once per node.

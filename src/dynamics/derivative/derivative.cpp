@@ -194,9 +194,11 @@ double Derivative::mass_growth(const Contact& contact) const {
   return contact.of(lost) / contact.of(gained);
 }
 
-State Derivative::initial_state() const {
+State Derivative::initial_state(double t) const {
   State state = data_.initial_state();
   for (std::size_t i = 0; i < start_.size(); ++i) state.v[i] += start_[i];
+  const MovingFrame& frame = data_.frame();
+  if (frame.follows()) frame.resting(data_.side()).change(frame, t, state.u, state.v);
   return state;
 }
 

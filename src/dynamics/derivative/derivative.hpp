@@ -39,7 +39,7 @@ class Derivative {
   Derivative& operator=(const Derivative&) = delete;
 
   const BarSystem& data() const { return data_; }  ///< its gaps, walls and data of the start
-  State initial_state() const;                     ///< of s
+  State initial_state(double t) const;             ///< of s, in the frame of data()
   PenalisedSystem& motion() { return motion_; }    ///< of s
 
   /// Reference scale of s in a run up to `end`, over the natural displacement of the bar: from its own data

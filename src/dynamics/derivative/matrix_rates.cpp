@@ -147,28 +147,38 @@ std::vector<double> start_of_masses(const BarSystem& bar, const Direction& direc
   const std::vector<Piece>& pieces = bar.elements().pieces();
   Scene scene = direction.data;
   scene.left_input = scene.right_input = {};
-  const Lift frame = bar.frame().moving() ? bar.frame().lift(0.0, 1) : Lift{};
+  const MovingFrame frame = bar.frame().resting(bar.side());
+  const Lift rate = frame.moving() ? frame.lift(0.0, 1) : Lift{};
   bool changes = false, by_moments = false;
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const Piece& piece = pieces[p];
     const Member& rates = direction.members[p];
     const double growth = piece.rigid() ? rates.mass / piece.mass
                                         : rates.bar.density / piece.bar.density + rates.bar.length / piece.bar.length;
-    scene.chain[p].velocity = [growth, own = rates.velocity, frame, begin = piece.begin,
-                               length = bar.mesh().length](double x) {
-      return growth == 0.0 ? 0.0 : growth * (own(x) - frame.at((begin + x) / length));
+    scene.chain[p].velocity = [growth, own = rates.velocity](double x) {
+      return growth == 0.0 ? 0.0 : growth * own(x);
     };
     changes |= growth != 0.0;
     for (std::size_t j = p > 0 && pieces[p - 1].last() == piece.first ? 1 : 0; j < piece.mesh.nodes() && rates.velocity;
          ++j)
       if (const std::size_t i = piece.first + j - bar.unknowns().first_node(); i < initial.v.size())
-        by_moments |= initial.v[i] != rates.velocity(piece.mesh.node(j)) -
-                                          (bar.frame().moving() ? frame.at(bar.frame().share(i)) : 0.0);
+        by_moments |=
+            initial.v[i] != rates.velocity(piece.mesh.node(j)) - (frame.moving() ? rate.at(frame.share(i)) : 0.0);
   }
   if (!changes || !by_moments) return start;
   const BarSystem without_masses(scene, bar.mesh(), bar.mass());
+  const MatrixRates matrices(bar, direction, nullptr);
   std::vector<double> gained = without_masses.initial_state().v, lost(bar.size());
-  MatrixRates(bar, direction, nullptr).inertia().multiply(initial.v, lost);
+  if (frame.moving()) {
+    // The rows have the product of M with the velocity of the frame, not its moments.
+    std::vector<double> whole(bar.mesh().nodes()), product(whole);
+    std::ranges::copy(initial.v, bar.unknowns().part(std::span(whole)).begin());
+    frame.add_lift(rate, whole);
+    matrices.whole().multiply(whole, product);
+    std::ranges::copy(bar.unknowns().part(std::span(product)), lost.begin());
+  } else {
+    matrices.inertia().multiply(initial.v, lost);
+  }
   without_masses.inertia().accelerate(lost);
   start.resize(bar.size());
   for (std::size_t i = 0; i < lost.size(); ++i) start[i] += gained[i] - lost[i];

@@ -19,20 +19,35 @@ void JumpFilter::add_changes(const Derivative& derivative, std::span<const doubl
     force[node] -= (x.empty() ? 0.0 : stiffness * x[node]) + (x_rate.empty() ? 0.0 : dashpot * x_rate[node]);
 }
 
-// out += the slope along `change` of f(x), which changes with the springs and masses of the ends: by differences, of
-// what is all but a polynomial.
+// The largest change of springs along the bar: rows of the inner nodes are alike.
+double JumpFilter::largest_side(const Added& change) const {
+  const SideRows* own = bar_.side();
+  if (!own) return 0.0;
+  double largest = std::abs(change.of_own) * own->largest_stiffness();
+  for (const SideRows& side : change.sides) {
+    const double share = side.mass().diagonal[1] / own->mass().diagonal[1];
+    for (std::size_t j = 0; j < bar_.mesh().nodes(); ++j)
+      largest = std::max(largest, std::abs(share * side.stiffness(j)));
+  }
+  return largest;
+}
+
+// out += the slope along `change` of f(x), which changes with the springs and masses of the ends and of the side: by
+// differences, of what is all but a polynomial.
 template <class Function>
 void JumpFilter::add_slope(const Added& change, Function&& f, std::span<double> out) {
   const Bar& bar = bar_.bar();
   const double h = bar_.mesh().spacing(), heaviest = std::max(std::abs(change.mass[0]), std::abs(change.mass[1]));
   const double stiffest_change = std::max(std::abs(change.stiffness[0]), std::abs(change.stiffness[1]));
-  const double largest = std::max(stiffest_change * h / bar.modulus, heaviest / (h * bar.density));
+  const double largest = std::max(
+      {stiffest_change * h / bar.modulus, heaviest / (h * bar.density), largest_side(change) * h * h / bar.modulus});
   if (largest == 0.0) return;
   const double step = 1e-4 / largest;
   std::vector<double> value(out.size());
   for (const double side : {-step, step, 0.0}) {
     for (const bool right : {false, true})
       added_.stiffness[right] = side * change.stiffness[right], added_.mass[right] = side * change.mass[right];
+    added_.sides = change.sides, added_.of_sides = side, added_.of_own = side * change.of_own;
     if (heaviest > 0.0) factorise();
     if (side == 0.0) continue;
     f(value);
@@ -54,8 +69,10 @@ void JumpFilter::differentiate(Derivative& derivative, std::span<double> force, 
   const MatrixRates::OfBar& rates = derivative.matrices().of_bar();
   const Bar& bar = bar_.bar();
   const double fading = this->fading(derivative), growth = fading - rates.modulus / bar.modulus;
-  // A is a pure number but for its springs, k h / E, and its masses, m / (rho h).
+  // A is a pure number but for its springs, k h / E, its masses, m / (rho h), and springs along the bar, k h^2 / E.
   Added supports;
+  supports.sides = derivative.sides();
+  if (bar_.side()) supports.of_own = -rates.modulus / bar.modulus;
   std::array<double, 2> dashpots{};
   for (const Support& support : bar_.supports()) {
     const bool right = bar_.unknowns().is_right(support.unknown);

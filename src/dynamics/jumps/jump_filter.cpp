@@ -126,6 +126,14 @@ void JumpFilter::stiffness(std::span<const double> x, std::span<double> out) con
       x, bar_.bar().modulus,
       [this](const Support& end) { return end.stiffness + added_.stiffness[bar_.unknowns().is_right(end.unknown)]; },
       &SideRows::stiffness, out);
+  const auto add = [&](const SideRows& side, double times) {
+    const auto at = bar_.unknowns().at_nodes(x);
+    side.subtract([&](std::size_t j) { return -times * side.stiffness(j) * at(j); }, bar_.unknowns().first_node(),
+                  bar_.size(), out);
+  };
+  if (added_.of_own != 0.0) add(*bar_.side(), added_.of_own);
+  if (added_.of_sides != 0.0)
+    for (const SideRows& side : added_.sides) add(side, added_.of_sides);
 }
 
 void JumpFilter::damping(std::span<const double> x, std::span<double> out) const {

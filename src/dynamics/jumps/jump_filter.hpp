@@ -70,10 +70,14 @@ class JumpFilter {
   void quieten(std::span<double> x) const;
   void answer_with_dashpots(std::span<const double> step, std::span<double> w);
   void take_high_part(std::span<const double> x, std::span<double> high);
-  // Springs and masses at the two ends, beside those that they have.
+  // Springs and masses at the two ends, beside those that they have, and springs along the bar: so many times those of
+  // `sides`, and so many times the bar's own.
   struct Added {
     std::array<double, 2> stiffness{}, mass{};
+    std::span<const SideRows> sides{};
+    double of_sides = 0.0, of_own = 0.0;
   };
+  double largest_side(const Added& change) const;
   template <class Function>
   void add_slope(const Added& change, Function&& f, std::span<double> out);
   void factorise();

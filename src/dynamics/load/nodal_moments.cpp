@@ -61,7 +61,8 @@ std::vector<double> nodal_moments(const Elements& elements, Mass mass, std::stri
   const bool velocity = of == Moments::of_velocity;
   const double length = mesh.length;
   const std::vector<double> detail = graded(places.detail, length);
-  bool needed = (mass == Mass::fourth_order && of != Moments::of_side) || places.breaks(0.0, length);
+  bool needed =
+      places.by_moments || (mass == Mass::fourth_order && of != Moments::of_side) || places.breaks(0.0, length);
   for (std::size_t p = 1; p < pieces.size() && velocity; ++p) {
     const Piece &left = pieces[p - 1], &right = pieces[p];
     needed |= left.last() == right.first && left.velocity(left.mesh.length) != right.velocity(0.0);  // bonded

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace viscobar::exponential {
@@ -15,8 +16,8 @@ namespace {
 // Bound of the rates |lambda| of the leg: sqrt(|M^-1| |K|) + |M^-1| |C|, of a side k / rho and c / rho, + the massless
 // nodes' own relaxation.
 double rate_bound(const BarSystem& system, double inverse_inertia, const std::vector<ClosedContact>& closed) {
-  double stretch = system.mesh().smallest(), rate_stretch = stretch;
-  for (std::size_t e = 0; system.elements().is_chain() && e < system.mesh().elements; ++e)
+  double stretch = std::numeric_limits<double>::infinity(), rate_stretch = stretch;
+  for (std::size_t e = 0; e < system.mesh().elements; ++e)
     stretch = std::min(stretch, system.elements().stretch(e)),
     rate_stretch = std::min(rate_stretch, system.elements().rate_stretch(e));
   const double stiffness = system.bar().modulus / stretch, damping = system.bar().viscosity / rate_stretch;

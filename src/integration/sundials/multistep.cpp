@@ -89,8 +89,10 @@ void Multistep::find_factors(double begin, double end) {
   double now = 0.0, h = 0.0;
   call("GetCurrentTime", library_.get_current_time, &now);
   call("GetLastStep", library_.get_last_step, &h);
-  const double middle = -0.5 * h;
-  call("GetDky", library_.get_dky, now + middle, 0, recorder_.get());
+  const double time = now - 0.5 * h, middle = time - now;
+  call("GetDky", library_.get_dky, time, 0, recorder_.get());
+  // A step of one rounding of the time has no such time. At both of its ends the factors behind the first are 0.
+  const bool within = -h < middle && middle < 0.0;
   const std::size_t q = order(), count = record_.count;
   const auto place = [&](std::size_t k) { return library_.divided_differences ? k : count - 1 - k; };
   PointValues d{};
@@ -98,7 +100,11 @@ void Multistep::find_factors(double begin, double end) {
   factors_[place(0)].fill(1.0);
   double a = 0.0, b = h;
   for (std::size_t k = 1; k < count; ++k) {
-    if (library_.divided_differences) b = (middle + a) * record_.factors[k - 1] / record_.factors[k];
+    if (library_.divided_differences && !within && k > 1) {
+      factors_[place(k)].fill(0.0);
+      continue;
+    }
+    if (library_.divided_differences && within) b = (middle + a) * record_.factors[k - 1] / record_.factors[k];
     for (std::size_t j = 0; j < d.size(); ++j) factors_[place(k)][j] = factors_[place(k - 1)][j] * ((d[j] + a) / b);
     if (library_.divided_differences) a = b;
   }

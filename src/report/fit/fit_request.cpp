@@ -139,7 +139,8 @@ PreparedFit prepared_fit(const FitRequest& request,
   for (const std::string& key : request.parameters) {
     study.parameters.push_back(parameter_of(scene, key));
     const bool by_differences = member_key("bar", key) && key.ends_with(".length");  // beside a load
-    if (!is_parameter(key) && !gives_damping(scene.run.scene, key) && !by_differences)
+    const bool of_section = key.ends_with(".section");  // its entry alone says that it is a number
+    if (!is_parameter(key) && !gives_damping(scene.run.scene, key) && !by_differences && !of_section)
       direction(scene.run, key);  // refuses keys that are none to vary
   }
   // A method or a scene that has no derivatives, as by a parameter of its section, is kept, and its runs are
