@@ -109,9 +109,9 @@ TEST(TridiagonalFactor, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_THROW(TridiagonalFactor(BandedMatrix{{0.0}, {}}), std::domain_error);
   EXPECT_THROW(TridiagonalFactor(BandedMatrix{{2.0, nan, 2.0}, {0.1, 0.1}}), std::domain_error);
   const double infinite = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(BandedMatrix{{infinite, -1.0}, {0.0}}.finite());  // a node that is held
-  EXPECT_FALSE(BandedMatrix{{2.0, nan}, {0.1}}.finite());
-  EXPECT_FALSE(BandedMatrix{{2.0, 2.0}, {infinite}}.finite());
+  EXPECT_TRUE((BandedMatrix{{infinite, -1.0}, {0.0}}.finite()));  // a node that is held
+  EXPECT_FALSE((BandedMatrix{{2.0, nan}, {0.1}}.finite()));
+  EXPECT_FALSE((BandedMatrix{{2.0, 2.0}, {infinite}}.finite()));
 }
 
 TEST(InverseDiagonal, HoldsTheDiagonalEntriesOfTheColumnsOfTheInverse) {
