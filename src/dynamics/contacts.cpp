@@ -84,7 +84,7 @@ void Contacts::add(const Contact& contact, const Penalty& penalty) {
   one.follows = massless && !bar_.bar().damped(), one.changes_by_row = massless && bar_.bar().damped();
   one.collides = rigid && !massless;
   one.rate = massless || rigid ? 0.0 : rate_of(one);
-  const double viscous = bar.viscosity / (bar_.elements().stretch_beside(node) * bar.impedance());
+  const double viscous = bar.viscosity / (bar_.mesh().element(bar_.elements().beside(node)) * bar.impedance());
   one.holds = rigid || (massless && one.relative_stiffness * std::numeric_limits<double>::epsilon() > 1.0 + viscous);
   collides_ |= one.collides;
   dashpots_ |= law.damping > 0.0;

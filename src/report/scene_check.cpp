@@ -32,20 +32,22 @@ std::string_view load_kind(const Scene& scene) {
   return std::holds_alternative<SeparableLoad>(*scene.load) ? "profile times history" : "general";
 }
 
+// Beside what the whole section at that end has.
 std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const SceneEnd& end) {
   const EndInput& input = end.input;
+  const std::string_view area = scene.section || !scene.chain.empty() ? "A " : "";
   const NumberText number = NumberText::terminal(scene);
   std::vector<std::string> text;
   if (input.force)
     text.push_back(input.force->steady ? "force " + number(input.force->value(0.0), Dimension::force, 6)
                                        : "force F(t), on the row of the end");
   if (input.stiffness > 0.0)
-    text.push_back(fmt::format("spring k = {} = {:.3g} E/L, at rest at u = 0",
+    text.push_back(fmt::format("spring k = {} = {:.3g} {}E/L, at rest at u = 0",
                                number.of_key("left.stiffness", input.stiffness, 6),
-                               input.stiffness * bar.length / bar.modulus));
+                               input.stiffness * bar.length / bar.modulus, area));
   if (input.dashpot > 0.0)
-    text.push_back(fmt::format("dashpot c = {} = {:.3g} sqrt(E rho)", number.of_key("left.dashpot", input.dashpot, 6),
-                               input.dashpot / bar.impedance()));
+    text.push_back(fmt::format("dashpot c = {} = {:.3g} {}sqrt(E rho)", number.of_key("left.dashpot", input.dashpot, 6),
+                               input.dashpot / bar.impedance(), area));
   if (input.mass > 0.0)
     text.push_back(fmt::format("mass m = {} = {:.3g} of the bar's", number.of_key("left.mass", input.mass, 6),
                                input.mass / (bar.density * bar.length)));
@@ -351,7 +353,10 @@ std::string check_json(const SceneCheck& check) {
   if (run.scene.section) json["terms"]["section"] = section_text(run.scene);
   if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))
-    if (const auto words = inputs_text(run.scene, system.bar(), end); !words.empty()) json["terms"][end.name] = words;
+    if (const auto words = inputs_text(
+            run.scene, whole_section(system.bar(), area_at(system, end.name == std::string_view("right"))), end);
+        !words.empty())
+      json["terms"][end.name] = words;
   json["contact_nodes"] = system.contacts().size();
   json["event_functions"] = is_scheme(run.method) ? 0 : system.contacts().size();
   json["memory"] = {{"vectors", std::llround(check.memory.vectors)}, {"bytes", std::llround(check.memory.bytes)}};

@@ -71,6 +71,15 @@ TEST_F(Check, CallsAConstraintExactWhereNothingGetsTooDeep) {
   }
 }
 
+TEST_F(Check, ComparesWhatIsAtAnEndWithTheWholeSection) {
+  const std::string arguments =
+      scene("rebound") +
+      " --set bar.section=1e-4 --set left.stiffness=5e-5 --set left.dashpot=3e-5 --set left.mass=2e-5";
+  const std::string words = of(arguments)["terms"]["left"].dump();
+  for (const char* part : {"0.5 A E/L", "0.3 A sqrt(E rho)", "0.2 of the bar's"})
+    EXPECT_NE(words.find(part), std::string::npos) << words;
+}
+
 TEST_F(Check, SaysWhatAvoidsThePlateau) {
   const std::string plain = of(scene("chatter"))["warnings"].dump();
   EXPECT_NE(plain.find("plateau"), std::string::npos);

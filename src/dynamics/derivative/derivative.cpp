@@ -71,8 +71,10 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
     const EndInput& rates = right ? direction.data.right_input : direction.data.left_input;
     if (rates.stiffness == 0.0 && rates.dashpot == 0.0 && rates.mass == 0.0) continue;
     supports_.push_back({support.unknown, rates.stiffness, rates.dashpot, rates.mass});
-    relative_change_ += std::abs(rates.stiffness) * bar.length / bar.modulus +
-                        std::abs(rates.dashpot) / bar.impedance() + std::abs(rates.mass) / (bar.density * bar.length);
+    relative_change_ +=
+        (std::abs(rates.stiffness) * bar.length / bar.modulus + std::abs(rates.dashpot) / bar.impedance() +
+         std::abs(rates.mass) / (bar.density * bar.length)) /
+        area_at(system.bar(), right);
   }
   take_sides(direction);
   for (std::size_t i = 0; i < contacts_.size(); ++i)

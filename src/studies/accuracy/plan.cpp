@@ -134,10 +134,27 @@ std::size_t Plan::with_enough(std::size_t elements) const {
   return elements;
 }
 
+namespace {
+
+// Of the bar that an impulse moves most.
+double least_impedance(const Scene& scene) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto see = [&](const Bar& bar, const SpaceFunction& section) {
+    constexpr int looks = 200;
+    for (int k = 0; k <= looks; ++k)
+      least = std::min(least, bar.impedance() * (section ? section(bar.length * k / looks) : 1.0));
+  };
+  if (scene.chain.empty()) see(scene.bar, scene.section);
+  for (const Member& member : scene.chain)
+    if (!member.rigid()) see(member.bar, member.section);
+  return least;
+}
+
+}  // namespace
+
 Resolution Plan::resolution() const {
-  const Bar& bar = base_.scene.bar;
   Resolution resolution;
-  resolution.impedance = bar.impedance();
+  resolution.impedance = least_impedance(base_.scene);
   const double share = 0.5 * requested_.value_or(0.0);
   switch (study_.request.of) {
     case Goal::displacement:

@@ -70,12 +70,11 @@ double largest(const Sample& sample, Goal of);
 
 /// Contact changes at an end that matter to an error of `height`, a displacement: without flights lower than it, as far
 /// as the speed at their end and the output times within them show, and contacts whose impulse moves the bar by less,
-/// J / sqrt(rho E). With `span` of time in place of it, without flights
-/// and contacts that last less.
+/// J / (A sqrt(rho E)). With `duration` in place of it, without flights and contacts that last less.
 struct Resolution {
   double height = 0.0;
   double duration = 0.0;
-  double impedance = 1.0;  ///< sqrt(rho E)
+  double impedance = 1.0;  ///< A sqrt(rho E)
 };
 /// Times of the changes that matter, closings and openings in turns; `closed` is whether the first one closes.
 struct Changes {
