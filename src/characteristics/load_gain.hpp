@@ -54,8 +54,9 @@ class LoadGain {
   const Piecewise& rightward() const { return rightward_; }
   const Piecewise& leftward() const { return leftward_; }
 
-  /// What goes on with a run: approximation errors, as velocities, the sum over the passages entered, a window's part
-  /// counting for its part of one, and the largest that was looked at; the largest load and slope that arrivals met.
+  /// The memory that goes on with a run: approximation errors, as velocities, the sum over the passages entered, a
+  /// window's part counting for its part of one, and the largest that was looked at; the largest load and slope that
+  /// arrivals met.
   struct Memory {
     double arrivals = 0.0, looked_at = 0.0, largest = 0.0, steepest = 0.0;
     static void members(auto& memory, auto&& each) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "discretisation/not_positive.hpp"
+
 namespace viscobar {
 
 namespace {

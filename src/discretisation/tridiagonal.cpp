@@ -6,6 +6,7 @@
 
 #include "discretisation/dense.hpp"
 #include "discretisation/lanes.hpp"
+#include "discretisation/not_positive.hpp"
 
 namespace viscobar {
 

@@ -12,10 +12,10 @@
 #include <utility>
 #include <variant>
 
+#include "discretisation/not_positive.hpp"
 #include "run/archive.hpp"
 #include "run/step_failure.hpp"
 #include "scene/times.hpp"
-#include "viscobar/discretisation/not_positive.hpp"
 #include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/run/run.hpp"
 

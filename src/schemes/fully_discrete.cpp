@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "discretisation/not_positive.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/lost_inertia.hpp"
 #include "dynamics/obstacle_motion.hpp"

@@ -9,7 +9,7 @@
 
 namespace viscobar {
 
-/// What scheme (2.8) tells between t_{n-1} and t_n, u^{n+1} being known: u, v = (u^{n+1} - u^{n-1}) / (2 dt) and
+/// Snapshots of scheme (2.8) between t_{n-1} and t_n, u^{n+1} being known: u, v = (u^{n+1} - u^{n-1}) / (2 dt) and
 /// lambda, which are interpolated from the one time to the other.
 class StepSnapshot {
  public:

@@ -6,8 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "viscobar/discretisation/not_positive.hpp"
-
 namespace viscobar {
 
 /// Entries of one row of a matrix beside its symmetric part, in the columns row, row + 1 and row + 2, or row, row - 1
@@ -136,7 +134,7 @@ class TridiagonalFactorOf {
   explicit TridiagonalFactorOf(const BandedMatrix& matrix) { factorise(matrix); }
 
   /// Rebuilds the factor in place; allocates only when the size grows.
-  /// @throws NotPositive
+  /// @throws std::domain_error where it is not positive definite
   void factorise(const BandedMatrix& matrix);
 
   /// x <- A^{-1} x

@@ -136,7 +136,7 @@ std::size_t Plan::with_enough(std::size_t elements) const {
 
 namespace {
 
-// Of the bar that an impulse moves most.
+// Impedance of the bar that an impulse moves most.
 double least_impedance(const Scene& scene) {
   double least = std::numeric_limits<double>::infinity();
   const auto see = [&](const Bar& bar, const SpaceFunction& section) {
