@@ -33,22 +33,25 @@ void DataError::add_waves(const auto& f, const auto& detail, auto&& moves, std::
   constexpr double in_a_wave = 0.2;
   // Places of about one distance are a wave each: its amplitude is that of all of them.
   constexpr double alike = 4.0;
+  // Where halves lead to a jump that travels there are three at most of one distance: moments know of it.
+  constexpr double of_a_jump = 8.0;
   std::optional<double> last = detail(0.0, length_);
-  double shortest = length_, stretch = 0.0, low = 0.0, high = 0.0;
+  double shortest = length_, longest = 0.0, stretch = 0.0, low = 0.0, high = 0.0;
   const auto end = [&] {
-    if (stretch > 0.0) waves.push_back({shortest, stretch, moves((high - low) / 2.0, in_a_wave / shortest)});
+    if (stretch > of_a_jump * shortest)
+      waves.push_back({shortest, stretch, moves((high - low) / 2.0, in_a_wave / shortest)});
     shortest = length_;
-    stretch = 0.0;
+    longest = stretch = 0.0;
   };
   for (auto next = last; last; last = next) {
     next = detail(*last, length_);
     const double gap = next ? *next - *last : length_, value = f(*last);
-    if (gap > alike * shortest || gap * alike < shortest) {
+    if (gap > alike * shortest || gap * alike < longest) {
       end();
       low = high = value;
     }
     if (next && gap < length_ / 100.0) {
-      shortest = std::min(shortest, gap);
+      shortest = std::min(shortest, gap), longest = std::max(longest, gap);
       stretch += gap;
     }
     low = std::min(low, value);
