@@ -48,4 +48,9 @@ double VaryingSection::along(std::size_t element, double x) const {
   return stretch(mesh_.node(element), x) / elements_[element].size;
 }
 
+double VaryingSection::next_break(double after, double until) const {
+  const auto next = std::upper_bound(breaks_.begin(), breaks_.end(), after);
+  return next == breaks_.end() ? until : std::min(*next, until);
+}
+
 }  // namespace viscobar

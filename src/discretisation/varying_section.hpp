@@ -31,6 +31,7 @@ class VaryingSection {
   double stretch(std::size_t element) const { return elements_[element].size; }  ///< s_e
   const std::vector<double>& places() const { return places_; }                  ///< s(x_j)
   double along(std::size_t element, double x) const;                             ///< xi(x)
+  double next_break(double after, double until) const;  ///< the first place at which A jumps or has a kink, or until
   /// int_e A xi^k dx, k = 0 to 3
   const std::array<double, 4>& moments(std::size_t element) const { return elements_[element].moments; }
 

@@ -204,9 +204,10 @@ void LaneScheme::project_start() {
   for (const bool of : {false, true}) {
     if (!pattern_.contact[of]) continue;
     for (std::size_t i = 0; i < size_; ++i) p_[i] += reaction_[of] * column_[of][i];
-    where(active_[of] != 0.0, p_[node(of)]) = pattern_.sign[of] * least[of];
     start_impulse_[of] += reaction_[of];
   }
+  for (const bool of : {false, true})  // after both: the reaction of either end moves the other
+    if (pattern_.contact[of]) where(active_[of] != 0.0, p_[node(of)]) = pattern_.sign[of] * least[of];
 }
 
 // Finds the reactions and the kicks of the ends such that s (u + dt (p + x)) lies above lower_. That of the near end

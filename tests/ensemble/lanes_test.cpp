@@ -58,4 +58,26 @@ TEST(Ensemble, LanesAreTheSchemeToRounding) {
   std::printf("decided by rounding: %zu of %zu\n", decided_by_rounding, compared);
 }
 
+// On 4 elements a blow at one end moves the other by 1 % of what it moves its own.
+TEST(Ensemble, LanesStruckAtBothEndsAtTheStartAreTheScheme) {
+  for (const char* mass : {"consistent", "fourth_order"}) {
+    const TextEnsemble made{fmt::format("[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0\n[right]\n"
+                                        "kind=\"obstacle\"\ngap=0\n[initial]\nvelocity=-1\n[mesh]\nelements=4\n"
+                                        "mass=\"{}\"\n[time]\nend=0.5\n[method]\nname=\"fully_discrete\"\nstep=0.01\n",
+                                        mass),
+                            {"bar.viscosity"},
+                            {{0.1, 0.2}}};
+    EnsembleStudy study = made.study();
+    study.outputs = {"u_left@0.01", "u_right@0.01", "reaction_left@0.01", "impulse_left", "impulse_right"};
+    const EnsembleResult lanes = ensemble(study);
+    study.lanes = false;
+    const EnsembleResult alone = ensemble(study);
+    ASSERT_EQ(lanes.ways[0], BarWay::lanes);
+    for (std::size_t o = 0; o < lanes.outputs.size(); ++o)
+      for (std::size_t k = 0; k < lanes.values[o].size(); ++k)
+        EXPECT_NEAR(lanes.values[o][k], alone.values[o][k], 1e-10 * largest_of(alone.values[o]))
+            << mass << " " << lanes.outputs[o].name << " " << k;
+  }
+}
+
 }  // namespace

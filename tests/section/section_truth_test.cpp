@@ -276,6 +276,31 @@ TEST(SectionContact, OnUnequalElementsNeverGrowsAndIsNearerToAFineMeshThanConsis
     }
 }
 
+// A bar so stiff that it moves as a rigid body, by int A f dx / int A dx. The section jumps within an element, apart
+// from the jump of f.
+TEST(SectionMoments, OfLoadsAndVelocitiesWithBreaksHaveTheWholeSection) {
+  const double force = 0.31 + 2.0 * (0.22 + 3.0 * 0.47), mass = 0.53 + 3.0 * 0.47;
+  struct Push {
+    const char* lines;
+    double u;  // at t = 1
+  };
+  for (const auto& [lines, u] : {Push{"[load]\nprofile = \"x < 0.31 ? 1 : 2\"\nhistory = 1\n", 0.5 * force / mass},
+                                 Push{"[load]\ndensity = \"x < 0.31 + 0*t ? 1 : 2\"\n", 0.5 * force / mass},
+                                 Push{"[initial]\nvelocity = \"x < 0.31 ? 1 : 2\"\n", force / mass}})
+    for (const char* of : {"fourth_order", "consistent", "lumped"}) {
+      const Recording run =
+          record(parse_scene(fmt::format("[bar]\nlength = 1.0\nmodulus = 1e8\nviscosity = 1e6\n"
+                                         "section = \"x < 0.53 ? 1 : 3\"\n{}[time]\nend = 1.0\n[mesh]\n"
+                                         "elements = 7\nmass = \"{}\"\n[method]\nname = \"rigid\"\n",
+                                         lines, of),
+                             "")
+                     .run);
+      for (const double end :
+           {run.displacement(run.times.size() - 1).front(), run.displacement(run.times.size() - 1).back()})
+        EXPECT_NEAR(end, u, 1e-5) << lines << of;
+    }
+}
+
 // Forces are as the area, and so is what they move. A power of two times, to the last bit but for the tolerance, which
 // has a force in it.
 TEST(SectionContact, OpensWhenItDoesWhateverTheUnitOfArea) {

@@ -23,16 +23,20 @@ inline NextBreak shifted(const NextBreak& breaks, double begin) {
 }
 
 /// Calls add(i, int phi_i f dx) with the parts of the elements [first, last): Gauss' formula of four points between the
-/// nodes and the breaks of f. `next(after, until)` is the first of its breaks there, or nothing. Under `paper`, which
-/// has a whole weight at the ends, their entries count twice: M f of a constant f is what it is elsewhere. With a
-/// section they are int A phi_i f dx, and phi_i those of VaryingSection.
+/// nodes and the breaks of f and of the section. `next(after, until)` is the first of f there, or nothing. Under
+/// `paper`, which has a whole weight at the ends, their entries count twice: M f of a constant f is what it is
+/// elsewhere. With a section they are int A phi_i f dx, and phi_i those of VaryingSection.
 template <class Function, class Next, class Add>
 void add_moments(const Mesh& mesh, Mass mass, const VaryingSection* section, std::size_t first, std::size_t last,
                  Function&& f, Next&& next, Add&& add) {
   const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * mesh.length, end = mesh.node(last);
   std::size_t searches = 1000 + 2 * mesh.elements;  // without end where breaks have a limit, as those of sin(1/x) > 0
   const auto search = [&](double after) {
-    return searches-- > 0 && after < end ? std::optional<double>(next(after, end)).value_or(end) : end;
+    if (!(after < end)) return end;
+    const double of_section = section ? section->next_break(after, end) : end;
+    if (searches == 0) return of_section;
+    --searches;
+    return std::min(of_section, std::optional<double>(next(after, end)).value_or(end));
   };
   double stop = search(mesh.node(first));
   for (std::size_t e = first; e < last; ++e) {

@@ -92,6 +92,7 @@ Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, 
     };
     const Statistics done = simulate_within({.stop = stop}, setup, system, layout.times, observers);
     steps = done.steps;
+    for (const std::size_t k : layout.inside) values->inside.push_back(values->values[k]);
     values->changes_at(layout, changes);
     if (done.account) {
       std::vector<double> impulses, peaks;

@@ -21,6 +21,10 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
     peaks |= output.kind == Kind::peak;
     impulses |= output.kind == Kind::impulse;
     most_changes = std::max(most_changes, output.most);
+    if (output.kind == Kind::gauge)
+      for (std::size_t k = 0; k < output.times.size(); ++k) inside.push_back(first[i] + 4 * k);
+    if (output.kind == Kind::final)
+      for (std::size_t k = 0; k < output.width() / 2; ++k) inside.push_back(first[i] + k);
     for (std::size_t k = 0; k < output.times.size(); ++k) looks.push_back({output.times[k], i, k});
     if (output.kind == Kind::final) looks.push_back({run.end, i, 0});
   }
@@ -88,7 +92,11 @@ double difference(const Layout& layout, const BarValues& a, const BarValues& b, 
       largest = std::max({largest, std::abs(a.ends[right][k] - b.ends[right][k]),
                           share_of_means * std::abs(a.means[right][k] - b.means[right][k])});
   for (std::size_t k = 0; k < a.joints.size(); ++k) largest = std::max(largest, std::abs(a.joints[k] - b.joints[k]));
-  const double size = std::max(a.largest, b.largest);
+  double size = std::max(a.largest, b.largest);
+  for (std::size_t k = 0; k < b.inside.size(); ++k) {
+    largest = std::max(largest, std::abs(a.inside[k] - b.inside[k]));
+    size = std::max({size, std::abs(a.inside[k]), std::abs(b.inside[k])});
+  }
   double worst = size > 0.0 ? largest / size : 0.0;
   if (layout.impulses) {
     double most = std::max(std::abs(b.impulse[0]), std::abs(b.impulse[1])), apart = 0.0;

@@ -29,6 +29,7 @@ struct Layout {
   std::vector<double> times;       // of them, each once
   bool fields = false;             // all nodes are looked at, not the ends alone
   bool reactions = false, peaks = false, impulses = false;
+  std::vector<std::size_t> inside;  // where the values have a displacement of a gauge, or of a node at the end
   std::size_t most_changes = 0;
   // Between probes, in which so many intervals of the finest output lie.
   double period;
@@ -54,6 +55,7 @@ struct BarValues {
   double largest = 0.0;                  // |u| of probes and start
   bool brief = false;                    // see LaneAccounts
   std::vector<double> joints, impulses;  // of a chain: u of both sides of its joints at the same times; of joints
+  std::vector<double> inside;            // u of gauges and final states, see Layout::inside
 };
 
 /// Writes the four numbers of a gauge, or without one u and v of all nodes.

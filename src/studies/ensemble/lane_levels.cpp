@@ -217,6 +217,7 @@ std::vector<std::unique_ptr<BarValues>> LaneLevels::run_pack(std::span<const Wai
       }
       one.impulse[right] = lane(accounts_.impulse[right], l);
     }
+    for (const std::size_t k : layout_.inside) one.inside.push_back(lane(values_[k], l));
     one.changes = accounts_.changes[l], one.largest = lane(largest_, l), one.brief = lane(accounts_.brief, l) > 0.0;
   }
   return values;

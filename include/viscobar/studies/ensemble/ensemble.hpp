@@ -66,8 +66,9 @@ struct EnsembleStudy {
   std::vector<std::span<const double>> values;  ///< of each key: one a bar, or one for all
   std::vector<std::string> outputs;             ///< see EnsembleOutput
   /// The error of integration in time that each bar may have, as a share of the largest value of each quantity. These
-  /// are the displacements of ends and joints, and the contact times and impulses that are asked for. The error of the
-  /// mesh comes on top. Absent: the scene's own method with its own settings, and no estimate.
+  /// are the displacements of ends and joints, with those of gauges and final states that are asked for, and the
+  /// contact times and impulses that are. The error of the mesh comes on top. Absent: the scene's own method with its
+  /// own settings, and no estimate.
   std::optional<double> error;
   /// Values of a bar that tells what all have in common: which way they go may depend on it. Empty: the first bar that
   /// can be run.
