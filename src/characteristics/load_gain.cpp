@@ -87,10 +87,13 @@ class SeparableGain final : public LoadGain {
     memory.arrivals +=
         frame_.factor / delay_ * (profile_error_ * recent_.front().bound() + profile_bound_ * history_fit_.error());
     evaluations_ = profile_evaluations_ + history_fit_.evaluations();
+    // Where windows are shorter than a passage the history goes on from one to the next.
+    const bool passages = delay_ == 1.0;
     times_.clear();
     for (std::size_t j = recent_.size(); j-- > 0;)
-      for (std::size_t i = 0; i < recent_[j].size(); ++i)
+      for (std::size_t i = passages ? 0 : 1; i < recent_[j].size(); ++i)
         times_.push_back((static_cast<double>(window_) - static_cast<double>(j) + recent_[j][i].begin) / delay_);
+    if (!passages) times_.insert(times_.end(), breaks_of_history_.times().begin(), breaks_of_history_.times().end());
   }
 
   double size() const override {
