@@ -22,6 +22,8 @@ inline Bar whole_section(Bar bar, double area) {
   bar.density *= area, bar.modulus *= area, bar.viscosity *= area;
   return bar;
 }
+/// The largest A of the ends of bars, where contacts are.
+double largest_end(const Scene& scene);
 /// natural_epsilon() in letters.
 inline const char* natural_epsilon_words(const Scene& scene) { return is_penalty_of_span(scene) ? "L^2/E" : "L/E"; }
 

@@ -77,18 +77,6 @@ Chosen<Mass> mass_of(const Case& run) {
   return {Mass::consistent, "of the elements; the scene and the method take no better one"};
 }
 
-// The largest A of the ends of bars, where contacts are.
-double largest_end(const Scene& scene) {
-  double largest = 0.0;
-  const auto look = [&](const SpaceFunction& section, double length) {
-    largest = std::max({largest, section ? section(0.0) : 1.0, section ? section(length) : 1.0});
-  };
-  if (scene.chain.empty()) look(scene.section, scene.bar.length);
-  for (const Member& member : scene.chain)
-    if (!member.rigid()) look(member.section, member.bar.length);
-  return largest;
-}
-
 Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   if (run.epsilon) return {*run.epsilon, asked};
   const Bar bar = whole_section(run.scene.bar, largest_end(run.scene));
@@ -143,6 +131,17 @@ Mass common_mass(const Case& run) {
   Case study = run;
   study.method = penalised_method(run);
   return mass_of(study).value;
+}
+
+double largest_end(const Scene& scene) {
+  double largest = 0.0;
+  const auto look = [&](const SpaceFunction& section, double length) {
+    largest = std::max({largest, section ? section(0.0) : 1.0, section ? section(length) : 1.0});
+  };
+  if (scene.chain.empty()) look(scene.section, scene.bar.length);
+  for (const Member& member : scene.chain)
+    if (!member.rigid()) look(member.section, member.bar.length);
+  return largest;
 }
 
 double natural_epsilon(const Scene& scene) {

@@ -34,6 +34,26 @@ TEST(Limit, AnUndampedPenaltyOnTheConsistentMassStopsAtAPlateauAgainstTheScheme)
   for (std::size_t k = 0; k + 1 < result.rows.size(); ++k) EXPECT_GT(result.rows[k + 1].events, result.rows[k].events);
 }
 
+// A section of a power of two divides all epsilons by it, and changes no digit of a power.
+TEST(Limit, PowersDoNotDependOnTheUnitOfArea) {
+  const auto orders = [](double area) {
+    Case scene = paper_throw(1.0);
+    scene.scene.section = [area](double) { return area; };
+    scene.mass = Mass::redistributed;
+    scene.elements = 216;
+    scene.step = 1e-4;
+    return only(limit_of(study_of(scene, decades(1e-3 / area, 1e-5 / area, 2))));
+  };
+  const LimitOrders unit = orders(1.0);
+  ASSERT_TRUE(unit.boundary && unit.penetration_layer);
+  for (const double area : {0x1p-13, 0x1p13}) {
+    const LimitOrders other = orders(area);
+    ASSERT_TRUE(other.boundary && other.penetration_layer) << area;
+    EXPECT_NEAR(*other.boundary * area, *unit.boundary, 1e-12 * *unit.boundary);
+    EXPECT_NEAR(other.penetration_layer->order, unit.penetration_layer->order, 1e-3) << area;
+  }
+}
+
 class MasslessNodes : public testing::TestWithParam<double> {
  protected:
   Case scene() const {

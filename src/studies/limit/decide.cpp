@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "case/regime.hpp"
 #include "studies/limit/mesh_runs.hpp"
 
 namespace viscobar::limit {
@@ -12,7 +13,7 @@ namespace viscobar::limit {
 std::optional<double> boundary_of(const Case& run) {
   const double h = run.mesh().smallest(), eta = run.scene.bar.viscosity;  // of the contact nodes
   if (!(eta > 0.0) || !run.scene.chain.empty()) return std::nullopt;      // each joint has its own
-  return run.scene.bar.density * h * h * h * (run.scene.span ? h : 1.0) / (eta * eta);
+  return run.scene.bar.density * h * h * h * (run.scene.span ? h : 1.0) / (eta * eta * largest_end(run.scene));
 }
 
 double tolerance_error(const MeshRuns& mesh) {

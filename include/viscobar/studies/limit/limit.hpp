@@ -128,8 +128,8 @@ struct LimitOrders {
   double tolerance_error = 0.0;   ///< largest contribution of the time integration to a difference
   double tolerance = 0.0;         ///< relative, of the penalised runs
   double largest = 0.0;           ///< max |u| of the traces
-  /// epsilon = rho h^3 / eta^2, where the two powers of the penetration meet; under a span obstacle rho h^4 / eta^2,
-  /// below which a node has come to rest before viscosity drags it along with its neighbours
+  /// epsilon = rho h^3 / (A eta^2), where the two powers of the penetration meet; under a span obstacle
+  /// rho h^4 / (A eta^2), below which a node has come to rest before viscosity drags it along with its neighbours
   std::optional<double> boundary;
   /// Powers of epsilon as epsilon goes to 0, where they settle (see Sequence).
   std::optional<SequenceOrder> penetration;
