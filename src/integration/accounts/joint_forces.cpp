@@ -42,6 +42,7 @@ void JointForces::begin(std::span<const double> u, std::span<const double> w) {
 }
 
 void JointForces::take_first_forces(double t, std::span<const double> u, std::span<const double> w) {
+  first_forces_ = true;
   for (Joint& joint : joints_) {
     ContactAccount& account = *joint.account;
     if (!contacts_.closed(joint.contact) || !has_dashpot(joint) || account.latest.reaction != 0.0) continue;
@@ -151,7 +152,7 @@ void JointForces::add(Joint& joint, double to, double length, std::size_t order,
   // The force of its law at the closing is the largest of a dashpot's, and known. Steps beside it are up to twenty
   // times less sure than that rounding says: their polynomials go through points that lie closer than the step is long.
   const double known = std::abs(joint.account->latest.reaction);
-  if (has_dashpot(joint) && known > 0.0 && rounding > 1e-7 * known) return;
+  if (first_forces_ && has_dashpot(joint) && known > 0.0 && rounding > 1e-7 * known) return;
   raise_peak(*joint.account, used(force), to, length, contact.joint == 0, rounding);
 }
 

@@ -70,7 +70,8 @@ class JointForces {
   const ActingLoad& load_;
   std::vector<Joint> joints_;
   std::span<const double> origin_;
-  PointValues history_{};  // of the load
+  PointValues history_{};      // of the load
+  bool first_forces_ = false;  // they are taken
 };
 
 }  // namespace viscobar
