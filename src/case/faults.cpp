@@ -240,8 +240,6 @@ void check_chain(const Setup& setup, Findings& findings) {
       findings.report(key,
                       "holds a rigid body that the next bar meets: leave the body out, and make this end an "
                       "obstacle of that bar, with the gap of the joint");
-    else if (!run.directions.empty())
-      findings.report("sensitivity.of", "has no derivatives for an obstacle that a rigid body alone meets");
   }
   if (run.method == MethodName::finite_difference)
     findings.report("method.name",

@@ -66,7 +66,7 @@ void solve_step(Leg& leg, std::span<double> correction) {
     const auto s = layout.derivative(state, k), s_rate = layout.derivative(rates, k);
     const auto x = layout.derivative(correction, k);
     solve_momentum(derivative.motion(), s.data(), s_rate.data(), x.data());
-    leg.impulse_rates(derivative, at, s.u(), x.u(), x.impulses());
+    leg.impulse_rates(derivative, at, s, x, x.impulses());
     for (std::size_t i = 2 * n; i < layout.block; ++i) x[i] = (x[i] - s_rate[i]) / cj;
   }
 }

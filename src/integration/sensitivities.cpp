@@ -97,8 +97,9 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, const Blo
 
 // Where the state jumps without an obstacle, that is none of its impulse.
 void Sensitivities::book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const {
-  layout_->each_impulse(
-      [&](std::size_t e, std::size_t node) { s.impulses()[e] += times * derivative.momentum(node, at, s.u(), s.w()); });
+  layout_->each_impulse([&](std::size_t e, std::size_t node) {
+    s.impulses()[e] += times * derivative.momentum(node, derivative.end_rows(node), at, s.u(), s.w());
+  });
 }
 
 void Sensitivities::book_momentum(double t, double times, std::span<double> y) {
@@ -239,7 +240,8 @@ void Sensitivities::sum_up(double t, std::span<double> y) {
       const Block s = layout_->derivative(y, k);
       complete(derivative, at, s);
       layout_->each_impulse([&](std::size_t e, std::size_t node) {
-        impulses[layout_->left ? e : 1] = s.impulses()[e] + derivative.momentum(node, at, s.u(), s.w());
+        impulses[layout_->left ? e : 1] =
+            s.impulses()[e] + derivative.momentum(node, derivative.end_rows(node), at, s.u(), s.w());
       });
       energy = derivative.energy(at, s.u(), s.w());
     }

@@ -111,6 +111,10 @@ class Sensitivities {
   void book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const;
   void book_momentum(double t, double times, std::span<double> y);
   void cross_frames(double t, double times, std::span<double> y);
+  void shift_to_change(const Moment& at, std::size_t i, std::span<double> y);
+  void find_reactions(const Moment& at);
+  void book_bodies(Derivative& derivative, const Moment& at, const Block& s, double times, double shift) const;
+  void book_blow(Derivative& derivative, const Moment& at, const Block& s, double times) const;
   void differentiate_by_time(const Moment& at);
   static void shift(const Block& s, std::span<const double> v, std::span<const double> a, double time);
   double break_rate(std::size_t k, double t, double end, const Contact& contact) const;
@@ -139,6 +143,8 @@ class Sensitivities {
   // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;
+  std::array<double, 2> reactions_{};          // of obstacles, before the change and then after it
+  std::array<Derivative::EndRows, 2> blow_{};  // rows of ends that take part in it
   std::pair<double, std::size_t> last_change_{-1.0, 0};
   std::vector<std::pair<std::vector<double>, std::vector<double>>> jumps_;  // [b] and [b'] of each
   std::vector<Field> fields_;

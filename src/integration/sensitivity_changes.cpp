@@ -132,9 +132,50 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
          y);
     return changes;
   }
-  shifted_ = true;
-  each(y, [&](std::size_t k, Derivative&, const Block& s) { shift(s, old_velocity_, old_acceleration_, shifts_[k]); });
+  shift_to_change(at, i, y);
   return changes;
+}
+
+// The derivatives are those at the time of the change from here on, until after().
+void Sensitivities::shift_to_change(const Moment& at, std::size_t i, std::span<double> y) {
+  shifted_ = true;
+  layout_->each_impulse([&](std::size_t e, std::size_t end) { blow_[e] = pointers_.front()->end_rows(end, i); });
+  find_reactions(at);
+  each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
+    book_bodies(derivative, at, s, 1.0, shifts_[k]);
+    shift(s, old_velocity_, old_acceleration_, shifts_[k]);
+    book_blow(derivative, at, s, -1.0);
+  });
+}
+
+// An obstacle before a rigid body that another contact meets. Its force R jumps where any contact changes, and which
+// rows tell it may change. With the momentum p of these rows, and that of those that take part in a blow, the impulse
+// gains p' + R dt*/dp before and loses it after, and gains what p' of the latter grows by from s- to s+.
+void Sensitivities::find_reactions(const Moment& at) {
+  reactions_ = {};
+  for (std::size_t i = 0; i < contacts_.size() && pointers_.front()->has_bodies(); ++i)
+    if (contacts_.closed(i) && contacts_[i].joint == 0)
+      reactions_[contacts_[i].where == Where::right] =
+          contacts_[i].holds ? holding_force(system_, i, at.t, at.u, at.w)
+                             : contacts_[i].law.force(contacts_.clearance(i, at.u), contacts_[i].of(at.w));
+}
+
+void Sensitivities::book_bodies(Derivative& derivative, const Moment& at, const Block& s, double times,
+                                double shift) const {
+  if (!derivative.has_bodies()) return;
+  layout_->each_impulse([&](std::size_t e, std::size_t end) {
+    const Derivative::EndRows rows = derivative.end_rows(end);
+    if (!rows.of_body) return;
+    const double reaction = reactions_[system_.bar().unknowns().is_right(end)];
+    s.impulses()[e] += times * (derivative.momentum(end, rows, at, s.u(), s.w()) + reaction * shift);
+  });
+}
+
+void Sensitivities::book_blow(Derivative& derivative, const Moment& at, const Block& s, double times) const {
+  if (!derivative.has_bodies()) return;
+  layout_->each_impulse([&](std::size_t e, std::size_t end) {
+    if (blow_[e].of_body) s.impulses()[e] += times * derivative.momentum(end, blow_[e], at, s.u(), s.w());
+  });
 }
 
 void Sensitivities::rebound(std::size_t i, std::vector<ChangeSensitivity>& changes) const {
@@ -156,6 +197,7 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
     s[n + node] = contact.joint > 0 ? s[n + node - 1] + velocity : velocity;
   };
   const bool rebounds = struck && !contacts_.closed(i);
+  if (shifted_) find_reactions(at);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     if (struck) {
       // v+ - v- goes along (rho M)^{-1} d, d.v the velocity of the contact: in parts that change by -(rho M)^{-1}
@@ -176,8 +218,12 @@ void Sensitivities::after(double t, std::size_t i, std::span<double> y) {
       derivative.motion().contacts().place(i, s.u());
       leave_with(s, 0.0);
     }
-    if (shifted_) shift(s, w_, acceleration_, -shifts_[k]);
+    if (shifted_) {
+      book_blow(derivative, at, s, 1.0);
+      shift(s, w_, acceleration_, -shifts_[k]);
+    }
     complete(derivative, at, s);
+    if (shifted_) book_bodies(derivative, at, s, -1.0, shifts_[k]);
   });
   shifted_ = false;
 }
@@ -206,12 +252,11 @@ std::vector<ChangeSensitivity> Sensitivities::at_break(double t, double end, std
   old_acceleration_ = acceleration_;
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     complete(derivative, at, s);
-    shift(s, old_velocity_, old_acceleration_, shifts_[k]);
     // A node without mass has a velocity that jumps as its row does.
     if (!contacts_[i].massless || (shifts_[k] == 0.0 && !contacts_.closed(i)))
-      changes[k].velocity = contacts_[i].of(s.w());
+      changes[k].velocity = contacts_[i].of(s.w()) + contacts_[i].of(old_acceleration_) * shifts_[k];
   });
-  shifted_ = moves;
+  if (moves) shift_to_change(at, i, y);
   return changes;
 }
 

@@ -71,7 +71,7 @@ class SideRows {
 
   /// Entries of the row of M of an end, from it inwards: columns 0, 1, 2 on the left.
   std::array<double, 3> end_row(bool right) const { return mass_.end_row(right); }
-  /// The same of the row of node j, an end of one of several bars in line.
+  /// The same of the row of node j, an end of a bar, inwards in that.
   std::array<double, 3> end_row(std::size_t j, bool right) const {
     std::array<double, 3> row = mass_.one_sided_entries(j, right);
     row[0] += mass_.diagonal[j];
@@ -79,11 +79,13 @@ class SideRows {
     return row;
   }
   /// (M r)_e of an end.
-  double at_end(bool right, auto&& r) const {
-    const std::array<double, 3> row = end_row(right);
-    const std::size_t last = mass_.size() - 1;
+  double at_end(bool right, auto&& r) const { return at_end(right ? mass_.size() - 1 : 0, right, r); }
+  /// (M r)_j of such a node j.
+  double at_end(std::size_t j, bool right, auto&& r) const {
+    const std::array<double, 3> row = end_row(j, right);
+    const std::size_t inwards = right ? j : mass_.size() - 1 - j;
     double sum = 0.0;
-    for (std::size_t k = 0; k < row.size() && k <= last; ++k) sum += row[k] * r(right ? last - k : k);
+    for (std::size_t k = 0; k < row.size() && k <= inwards; ++k) sum += row[k] * r(right ? j - k : j + k);
     return sum;
   }
 

@@ -78,6 +78,8 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   }
   take_sides(direction);
   for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (contacts_[i].joint == 0 && contacts_[i].beyond) of_bodies_[contacts_[i].where == Where::right] = i;
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
     laws_.push_back(contacts_[i].law.stop() ? stop_rates(i, direction)
                     : contacts_[i].rigid    ? LawRates{0.0, 0.0}
                                             : spring_rates(i, penalty, direction));
@@ -215,13 +217,12 @@ void Derivative::take_contacts() {
     if (of_contacts_.closed(i) != contacts_.closed(i)) of_contacts_.set_closed(i, contacts_.closed(i));
 }
 
-// The strain of the element beside an end, times its length, outwards.
-double Derivative::stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
+// The strain of the element beside that row, times its length, outwards.
+double Derivative::stretch(std::size_t end, std::size_t last, std::span<const double> x, std::span<const double> origin,
                            const BarSystem& walls) const {
   const auto at = [&](std::size_t i) { return x[i] + (origin.empty() ? 0.0 : origin[i]); };
-  if (end == 0 && x.size() > 1) return at(0) - at(1);
-  if (end > 0) return at(end) - at(end - 1);
-  return at(0) - *walls.unknowns().wall(!walls.unknowns().left_fixed());
+  if (x.size() == 1) return at(0) - *walls.unknowns().wall(!walls.unknowns().left_fixed());
+  return at(last) - at(end == 0 ? last + 1 : last - 1);
 }
 
 double Derivative::lift_inertia(std::size_t unknown, const Lift& lift) const {
@@ -234,9 +235,9 @@ double Derivative::displacement(std::size_t end, std::span<const double> u) cons
 }
 
 // The stretch of the lift, as stretch() is of u.
-double Derivative::lift_stretch(std::size_t end, const Lift& lift) const {
+double Derivative::lift_stretch(std::size_t end, std::size_t last, const Lift& lift) const {
   const BarSystem& bar = system_.bar();
-  const std::size_t element = bar.elements().beside(end);
+  const std::size_t element = bar.elements().beside(last);
   const double stretched = lift.at(bar.elements().share(element + 1)) - lift.at(bar.elements().share(element));
   return bar.unknowns().is_right(end) ? stretched : -stretched;
 }
@@ -265,7 +266,7 @@ void Derivative::drive(const Moment& at) {
     const std::size_t end = bar.unknowns().end(right);
     if (n > 1 && bar.inertia().massless(end) && !bar.bar().damped())
       rates[right] = -matrices_.elastic()[bar.elements().beside(end)] *
-                     (stretch(end, at.w, {}, bar) + (lifts ? lift_stretch(end, lift_[1]) : 0.0));
+                     (stretch(end, end, at.w, {}, bar) + (lifts ? lift_stretch(end, end, lift_[1]) : 0.0));
   }
   for (const SideRows& side : sides_)
     side.subtract(side.resistance(placed(at.u), moving(at.w)), bar.unknowns().first_node(), n, added_);
@@ -322,8 +323,8 @@ double Derivative::drive_row(std::size_t end, double t, double u, double u_next,
   const double elastic = matrices_.elastic()[element], viscous = matrices_.viscous()[element];
   double sum = elastic * (u_next - u + apart) + viscous * (w_next - w);
   if (system_.bar().frame().moving())
-    sum -=
-        elastic * lift_stretch(end, system_.load().lift(t, 0)) + viscous * lift_stretch(end, system_.load().lift(t, 1));
+    sum -= elastic * lift_stretch(end, end, system_.load().lift(t, 0)) +
+           viscous * lift_stretch(end, end, system_.load().lift(t, 1));
   for (std::size_t i = 0; i < laws_.size(); ++i) {
     const Contact& contact = contacts_[i];
     if (contact.unknown != end || !contacts_.closed(i) || contacts_[i].holds) continue;
@@ -336,9 +337,12 @@ double Derivative::reaction(std::size_t i, const Moment& at, std::span<const dou
   if (!contacts_.closed(i)) return 0.0;
   // The remainder of its row; the inertia of the neighbours, of the bar itself, is in the added force.
   if (contacts_[i].holds) return viscobar::holding_force(motion_, i, at.t, s, rate);
-  const Contact& contact = contacts_[i];
-  return of_contacts_[i].law.force(of_contacts_.clearance(i, s), contact.of(rate)) +
-         law_rate(i, contacts_.clearance(i, at.u), contact.of(at.w));
+  return law_reaction(i, at, s, contacts_[i].of(rate));
+}
+
+double Derivative::law_reaction(std::size_t i, const Moment& at, std::span<const double> s, double rate) const {
+  return of_contacts_[i].law.force(of_contacts_.clearance(i, s), rate) +
+         law_rate(i, contacts_.clearance(i, at.u), contacts_[i].of(at.w));
 }
 
 double Derivative::law_rate(std::size_t i, double clearance, double w) const {

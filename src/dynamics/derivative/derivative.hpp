@@ -81,21 +81,35 @@ class Derivative {
   };
   /// Derivative of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
   double holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const;
-  /// Derivatives of (rho M v + eta K u) in the row of an end, and of its rate without the reaction, (E K u - M f): the
-  /// impulse of the obstacles on that end is the one plus the integral of the other.
-  double momentum(std::size_t end, const Moment& at, std::span<const double> s, std::span<const double> rate) const;
-  double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s);
-  /// The part of the latter that is linear in (u, s), by their values in the row and their differences to the row
-  /// beside.
-  double elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const;
+  /// The rows whose sum tells the impulse of the obstacle on an end: those of the unknowns from there to `last`. They
+  /// are that of the end alone, unless it is a rigid body which another contact meets: then those of all that closed
+  /// rigid contacts hold together with it. Where the obstacle is by_law its force is known, and no row is needed.
+  struct EndRows {
+    std::size_t last = 0;
+    bool strained = true;  ///< an element beyond the last one pulls at it
+    bool by_law = false;
+    bool of_body = false;  ///< of such a rigid body
+  };
+  bool has_bodies() const { return of_bodies_[0] || of_bodies_[1]; }  ///< at an end, which another contact meets
+  /// `struck`: a contact that takes part in an impact, as if it were closed.
+  EndRows end_rows(std::size_t end, std::optional<std::size_t> struck = std::nullopt) const;
+  /// Derivatives of (rho M v + eta K u) in those rows, and of its rate without the reaction, (E K u - M f): the impulse
+  /// of the obstacles on that end is the one plus the integral of the other. By a law they are 0 and the reaction.
+  /// @param s_rate s' at the end
+  double momentum(std::size_t end, const EndRows& rows, const Moment& at, std::span<const double> s,
+                  std::span<const double> rate) const;
+  double momentum_loss(std::size_t end, const Moment& at, std::span<const double> s, double s_rate = 0.0);
+  /// The part of the latter that is linear in (u, s), by their values in the row of the end and the differences of the
+  /// last of its rows to the one beside.
+  double elastic_row(std::size_t end, const EndRows& rows, double u, double u_stretch, double s,
+                     double s_stretch) const;
   /// The part of it that is the side's, of values u(j) and s(j) at all nodes.
-  double side_row(std::size_t end, auto&& u, auto&& s) const {
+  double side_row(std::size_t end, const EndRows& rows, auto&& u, auto&& s) const {
     const SideRows* own = system_.bar().side();
-    if (!own) return 0.0;
-    const bool right = system_.bar().unknowns().is_right(end);
-    double sum = own->at_end(right, [&](std::size_t j) { return own->stiffness(j) * s(j); });
+    if (!own || !rows.strained) return 0.0;
+    double sum = at_last(end, rows, *own, [&](std::size_t j) { return own->stiffness(j) * s(j); });
     for (const SideRows& side : sides_)
-      sum += side.at_end(right, [&](std::size_t j) { return side.stiffness(j) * u(j); });
+      sum += at_last(end, rows, side, [&](std::size_t j) { return side.stiffness(j) * u(j); });
     return sum;
   }
   /// Displacements and velocities of the bar itself, at all nodes.
@@ -113,6 +127,7 @@ class Derivative {
   LawRates spring_rates(std::size_t i, const Penalty& penalty, const Direction& direction) const;
   double mass_growth(const Contact& contact) const;
   void add_lift(const Lift& lift, const Lift& rate, const Lift& acceleration, std::span<double> out) const;
+  double law_reaction(std::size_t i, const Moment& at, std::span<const double> s, double rate) const;
   // dR/dp at the same motion.
   double law_rate(std::size_t i, double clearance, double w) const;
   // Functions of the node: a lift, displacements in the frame, those of the bar itself, its velocities.
@@ -133,9 +148,15 @@ class Derivative {
   }
   // Terms of the frame, by the end's entry among the unknowns.
   double lift_inertia(std::size_t unknown, const Lift& lift) const;
-  double lift_stretch(std::size_t end, const Lift& lift) const;
+  double lift_stretch(std::size_t end, std::size_t last, const Lift& lift) const;
+  // (M r)_j of the side, j the node of the last row of an end.
+  double at_last(std::size_t end, const EndRows& rows, const SideRows& side, auto&& r) const {
+    const Unknowns& unknowns = system_.bar().unknowns();
+    return side.at_end(rows.last + unknowns.first_node(), unknowns.is_right(end), r);
+  }
   double displacement(std::size_t end, std::span<const double> u) const;  // of the bar itself
-  double stretch(std::size_t end, std::span<const double> x, std::span<const double> origin,
+  // Of the last row of an end.
+  double stretch(std::size_t end, std::size_t last, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
 
   PenalisedSystem& system_;
@@ -144,8 +165,9 @@ class Derivative {
   const Contacts& contacts_;  // of the bar
   Contacts& of_contacts_;     // of s
   MatrixRates matrices_;
-  std::vector<double> start_;  // see start_of_masses()
-  double relative_change_;     // of what the bar and its contacts are made of
+  std::vector<double> start_;                            // see start_of_masses()
+  double relative_change_;                               // of what the bar and its contacts are made of
+  std::array<std::optional<std::size_t>, 2> of_bodies_;  // contacts of ends with a rigid body that another one meets
   std::vector<LawRates> laws_;
   std::vector<Support> supports_;
   std::vector<SideRows> sides_;

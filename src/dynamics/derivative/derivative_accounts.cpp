@@ -22,33 +22,53 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load().held(right, t));
 }
 
-double Derivative::momentum(std::size_t end, const Moment& at, std::span<const double> s,
+Derivative::EndRows Derivative::end_rows(std::size_t end, std::optional<std::size_t> struck) const {
+  EndRows rows{.last = end};
+  const std::optional<std::size_t> contact = of_bodies_[system_.bar().unknowns().is_right(end)];
+  if (!contact) return rows;
+  rows.of_body = true, rows.strained = false;
+  rows.by_law = contacts_[*contact].by_law;
+  if (rows.by_law) return rows;
+  for (auto k = contacts_[*contact].beyond; k && (contacts_.closed(*k) || k == struck); k = contacts_[*k].beyond) {
+    rows.last = end == 0 ? rows.last + 1 : rows.last - 1;
+    rows.strained = !contacts_[*k].beyond;
+  }
+  return rows;
+}
+
+double Derivative::momentum(std::size_t end, const EndRows& rows, const Moment& at, std::span<const double> s,
                             std::span<const double> rate) const {
-  const std::size_t n = s.size();
-  const auto row = [&](const BandedMatrix& inertia, std::span<const double> x) {
-    double sum = inertia.diagonal[end] * x[end];
-    if (!inertia.off_diagonal.empty() && n > 1)
-      sum += inertia.off_diagonal[end == 0 ? 0 : end - 1] * x[end == 0 ? 1 : end - 1];
-    for (const OneSidedRow& one : inertia.one_sided)
-      if (one.row == end) sum += one.times(x);
+  if (rows.by_law) return 0.0;
+  const std::size_t last = rows.last;
+  const auto times = [&](const BandedMatrix& inertia, std::span<const double> x) {
+    double sum = 0.0;
+    for (std::size_t j = std::min(end, last); j <= std::max(end, last); ++j) {
+      sum += inertia.diagonal[j] * x[j];
+      if (!inertia.is_diagonal() && j > 0) sum += inertia.below(j - 1) * x[j - 1];
+      if (!inertia.is_diagonal() && j + 1 < x.size()) sum += inertia.above(j) * x[j + 1];
+      for (const OneSidedRow& one : inertia.one_sided)
+        if (one.row == j) sum += one.times(x);
+    }
     return sum;
   };
   const BarSystem& bar = system_.bar();
-  double sum =
-      row(bar.inertia().matrix(), rate) + (matrices_.inertial() ? row(matrices_.inertia(), at.w) : 0.0) +
-      bar.bar().viscosity / bar.elements().rate_stretch(bar.elements().beside(end)) * stretch(end, s, {}, data_) +
-      matrices_.viscous()[bar.elements().beside(end)] * stretch(end, at.u, contacts_.origin().values(), bar);
+  double sum = times(bar.inertia().matrix(), rate) + (matrices_.inertial() ? times(matrices_.inertia(), at.w) : 0.0);
+  if (rows.strained) {
+    const std::size_t element = bar.elements().beside(last);
+    sum += bar.bar().viscosity / bar.elements().rate_stretch(element) * stretch(end, last, s, {}, data_) +
+           matrices_.viscous()[element] * stretch(end, last, at.u, contacts_.origin().values(), bar);
+    if (bar.frame().moving()) sum += matrices_.viscous()[element] * lift_stretch(end, last, lift_[0]);
+    if (const SideRows* own = bar.side()) {
+      const auto of_s = data_.unknowns().displacement_at_nodes(s);
+      sum += at_last(end, rows, *own, [&](std::size_t j) { return own->drag(j) * of_s(j); });
+    }
+    for (const SideRows& side : sides_)
+      sum += at_last(end, rows, side, [&, u = placed(at.u)](std::size_t j) { return side.drag(j) * u(j); });
+  }
   if (bar.frame().moving())
-    sum += lift_inertia(end, lift_[1]) + matrices_.viscous()[bar.elements().beside(end)] * lift_stretch(end, lift_[0]);
+    for (std::size_t j = std::min(end, last); j <= std::max(end, last); ++j) sum += lift_inertia(j, lift_[1]);
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.dashpot * s[end];
-  if (const SideRows* own = bar.side()) {
-    const auto of_s = data_.unknowns().displacement_at_nodes(s);
-    sum += own->at_end(bar.unknowns().is_right(end), [&](std::size_t j) { return own->drag(j) * of_s(j); });
-  }
-  for (const SideRows& side : sides_)
-    sum +=
-        side.at_end(bar.unknowns().is_right(end), [&, u = placed(at.u)](std::size_t j) { return side.drag(j) * u(j); });
   for (const Support& support : supports_)
     if (support.unknown == end)
       sum += support.dashpot * displacement(end, at.u) +
@@ -56,11 +76,14 @@ double Derivative::momentum(std::size_t end, const Moment& at, std::span<const d
   return sum;
 }
 
-double Derivative::elastic_row(std::size_t end, double u, double u_stretch, double s, double s_stretch) const {
+double Derivative::elastic_row(std::size_t end, const EndRows& rows, double u, double u_stretch, double s,
+                               double s_stretch) const {
   const BarSystem& bar = system_.bar();
-  const std::size_t element = bar.elements().beside(end);
-  double sum =
-      bar.bar().modulus / bar.elements().stretch(element) * s_stretch + matrices_.elastic()[element] * u_stretch;
+  double sum = 0.0;
+  if (rows.strained) {
+    const std::size_t element = bar.elements().beside(rows.last);
+    sum = bar.bar().modulus / bar.elements().stretch(element) * s_stretch + matrices_.elastic()[element] * u_stretch;
+  }
   for (const Support& support : bar.supports())
     if (support.unknown == end) sum += support.stiffness * s;
   for (const Support& support : supports_)
@@ -68,13 +91,27 @@ double Derivative::elastic_row(std::size_t end, double u, double u_stretch, doub
   return sum;
 }
 
-double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s) {
+double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s, double s_rate) {
   const BarSystem& bar = system_.bar();
-  const double sum = elastic_row(end, displacement(end, at.u), stretch(end, at.u, contacts_.origin().values(), bar),
-                                 s[end], stretch(end, s, {}, data_));
-  return sum + side_row(end, placed(at.u), data_.unknowns().displacement_at_nodes(s)) +
-         (bar.frame().moving() ? matrices_.elastic()[bar.elements().beside(end)] * lift_stretch(end, lift_[0]) : 0.0) -
-         (motion_.load().at(end, at.t) - added_[end]);
+  const EndRows rows = end_rows(end);
+  if (rows.by_law) {
+    const std::size_t i = *of_bodies_[bar.unknowns().is_right(end)];
+    return contacts_.closed(i) ? law_reaction(i, at, s, s_rate) : 0.0;
+  }
+  const std::size_t last = rows.last;
+  double sum = 0.0;
+  if (rows.strained) {
+    sum = elastic_row(end, rows, displacement(end, at.u), stretch(end, last, at.u, contacts_.origin().values(), bar),
+                      s[end], stretch(end, last, s, {}, data_)) +
+          side_row(end, rows, placed(at.u), data_.unknowns().displacement_at_nodes(s));
+    if (bar.frame().moving())
+      sum += matrices_.elastic()[bar.elements().beside(last)] * lift_stretch(end, last, lift_[0]);
+  } else {
+    sum = elastic_row(end, rows, displacement(end, at.u), 0.0, s[end], 0.0);
+  }
+  for (std::size_t j = std::min(end, last); j <= std::max(end, last); ++j)
+    sum -= motion_.load().at(j, at.t) - added_[j];
+  return sum;
 }
 
 double Derivative::energy(const Moment& at, std::span<const double> s, std::span<const double> rate) const {

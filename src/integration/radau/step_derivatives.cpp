@@ -138,15 +138,18 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
   };
   const double *w = begin.data() + n, *q = layout_.derivative(begin, k).data() + n;
   for (std::size_t e = 0; e < ends_.size(); ++e) {
-    const std::size_t end = ends_[e], beside = end == 0 ? 1 : end - 1;
-    const Complex u = image(w[end], motion[end]), u_stretch = u - image(w[beside], motion[beside]);
+    const Derivative& of = *derivatives_[k];
+    const std::size_t end = ends_[e];
+    const Derivative::EndRows rows = of.end_rows(end);
+    const std::size_t last = rows.last, beside = end == 0 ? last + 1 : last - 1;
     const std::vector<Complex>& x = parts_[k].x;
-    const Complex s = image(q[end], x[end]), s_stretch = s - image(q[beside], x[beside]);
+    const Complex u = image(w[end], motion[end]), s = image(q[end], x[end]);
+    const Complex u_stretch = image(w[last], motion[last]) - image(w[beside], motion[beside]);
+    const Complex s_stretch = image(q[last], x[last]) - image(q[beside], x[beside]);
     Complex& impulse = parts_[k].impulses[e];
     for (std::size_t l = 0; l < lanes; ++l) {
-      const Derivative& of = *derivatives_[k];
-      impulse.re[l] += h_ * of.elastic_row(end, u.re[l], u_stretch.re[l], s.re[l], s_stretch.re[l]);
-      impulse.im[l] += h_ * of.elastic_row(end, u.im[l], u_stretch.im[l], s.im[l], s_stretch.im[l]);
+      impulse.re[l] += h_ * of.elastic_row(end, rows, u.re[l], u_stretch.re[l], s.re[l], s_stretch.re[l]);
+      impulse.im[l] += h_ * of.elastic_row(end, rows, u.im[l], u_stretch.im[l], s.im[l], s_stretch.im[l]);
       if (!system_.bar().side()) continue;
       const auto part_of = [&](const double* rates, std::span<const Complex> changes, Lanes Complex::*part) {
         return [&, rates, changes, part](std::size_t j) {
@@ -155,7 +158,7 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
         };
       };
       for (Lanes Complex::*part : {&Complex::re, &Complex::im})
-        (impulse.*part)[l] += h_ * of.side_row(end, part_of(w, motion, part), part_of(q, x, part));
+        (impulse.*part)[l] += h_ * of.side_row(end, rows, part_of(w, motion, part), part_of(q, x, part));
     }
   }
 }

@@ -159,21 +159,24 @@ void Leg::solve_first_order(double t, double gamma, std::span<const double> y, d
     const auto s = layout.derivative(y, k), z_s = layout.derivative(z, k);
     const auto x_s = layout.derivative(x, k);
     solve_momentum(derivatives[k]->motion(), t, gamma, s, factor, z_s, x_s);
-    impulse_rates(*derivatives[k], at, s, x_s.u(), x_s.impulses());
+    impulse_rates(*derivatives[k], at, s, x_s, x_s.impulses());
     for (std::size_t i = 2 * n; i < layout.block; ++i) x_s[i] = gamma * x_s[i] + factor * z_s[i];
   }
 }
 
 void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                         std::span<double> rates) {
-  // Each has its end and the node beside it, and with a side that resists the next one, too.
   layout.each_impulse([&](std::size_t k, std::size_t end) {
-    const std::size_t reach = std::min(layout.nodes, system.bar().side() ? std::size_t{3} : std::size_t{2});
+    // Each has its rows and the node beside them, and with a side that resists the next one, too.
+    const std::size_t last = derivative.end_rows(end).last, beside = system.bar().side() ? 2 : 1;
+    const std::size_t rows = end == 0 ? last : end - last;
+    const std::size_t reach = std::min(layout.nodes, rows + 1 + beside);
+    const auto sum = [&](std::size_t i) { return s[i] + (x.empty() ? 0.0 : x[i]); };
     for (std::size_t m = 0; m < reach; ++m) {
       const std::size_t i = end == 0 ? m : end - m;
-      field[i] = s[i] + (x.empty() ? 0.0 : x[i]);
+      field[i] = sum(i);
     }
-    rates[k] = derivative.momentum_loss(end, at, field);
+    rates[k] = derivative.momentum_loss(end, at, field, sum(layout.nodes + end));
   });
 }
 
@@ -202,7 +205,7 @@ void Leg::derivative_rates(double t, std::span<const double> y, std::span<double
     std::ranges::copy(s.w(), rate.begin());
     derivative.motion().complete_velocity(t, s.u(), rate.u());
     derivative.motion().acceleration(t, s.u(), rate.u(), rate.w());
-    impulse_rates(derivative, at, s.u(), {}, rate.impulses());
+    impulse_rates(derivative, at, s, {}, rate.impulses());
   }
 }
 

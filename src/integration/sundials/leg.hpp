@@ -66,7 +66,7 @@ class Leg {
   /// rate = f(t, y), the velocities of massless nodes being those of their rows.
   void right_hand_side(double t, std::span<double> y, std::span<double> rate);
 
-  /// Rates of the impulse entries of a block, whose displacements are s + x.
+  /// Rates of the impulse entries of a block s + x.
   void impulse_rates(Derivative& derivative, const Moment& at, std::span<const double> s, std::span<const double> x,
                      std::span<double> rates);
 
