@@ -398,6 +398,31 @@ TEST(ChainSensitivities, OfBarsThatBeginOnAnObstacleThatMoves) {
       expect_derivatives(text, key, value, {fmt::format("method.name={}", method)});
 }
 
+// A bar, one or two bodies beyond it, a wall: the impulse of the wall is told by its law, or by the rows of all that is
+// held together with the outer body, which change as the contact between them does.
+TEST(ChainSensitivities, OfTheImpulseOnABodyThatABarMeets) {
+  const std::string body = "[[bar]]\nmass = 0.3\nvelocity = 0.2\n", contact = "[[joint]]\nkind = \"contact\"\ngap = 0.02\n";
+  const std::string bar =
+      "[[bar]]\nlength = 1.0\nviscosity = 0.05\nelements = 8\nvelocity = 0.6\nsection = \"1+0.3*x\"\n";
+  const std::string ends =
+      "[right]\nkind = \"obstacle\"\nside = \"above\"\ngap = 0.03\nstiffness = 0.4\ndashpot = "
+      "0.1\n[side]\nstiffness = 0.5\ndrag = 0.2\n[time]\nend = 1.5\n[method]\n"
+      "relative_tolerance = 1e-10\n";
+  const std::string near = bar + body + contact + ends, far = bar + body + body + contact + contact + ends;
+  const std::vector<std::pair<const std::string*, Settings>> cases = {
+      {&near, {"method.name=rigid", "contact.restitution=0"}},
+      {&far, {"method.name=rigid", "contact.restitution=0", "bar.3.velocity=0.1"}},
+      {&near, {"method.name=rigid", "contact.restitution=0.6", "time.end=0.17"}},
+      {&near, {"method.name=cvode", "contact.epsilon=1e-2", "contact.restitution=0.5"}},
+      {&near, {"method.name=arkode", "contact.epsilon=1e-2", "right.gap=\"0.03-0.01*sin(2*t)\""}},
+      {&far,
+       {"method.name=ida", "right.contact={ law = \"hunt_crossley\", stiffness = 30.0, damping = 0.4 }",
+        "contact.epsilon=1e-2"}}};
+  for (const auto& [text, settings] : cases)
+    for (const auto& [key, value] : {std::pair{"bar.2.mass", 0.3}, {"bar.1.modulus", 1.0}, {"bar.1.density", 1.0}})
+      expect_derivatives(*text, key, value, settings);
+}
+
 // Checkpoints beyond where derivatives have ended, at a second impact of the same time.
 TEST(ChainSensitivity, ARunGoesOnBeyondItsDerivatives) {
   Case run = parse_scene(
