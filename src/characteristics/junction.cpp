@@ -50,19 +50,24 @@ void Junction::enter(std::size_t window) {
   begin_ = now_;
   for (Input& input : inputs_) {
     const Body& body = bodies_[input.body];
-    if (body.held)
-      fit(body.input->motion->velocity, body.input->motion->breaks, "the velocity of an end", input.values);
-    else
+    if (!body.held)
       fit(body.input->force->value, body.input->force->breaks, "the force at an end", input.values);
-    now_.error += fit_.error() / (body.held ? 1.0 : reference_);
+    else if (const EndMotion& motion = *body.input->motion; input.rate)
+      fit(motion.acceleration, motion.breaks, "the acceleration of an end", input.values);
+    else
+      fit(motion.velocity, motion.breaks, "the velocity of an end", input.values);
+    now_.error += fit_.error() * velocity_per(input);
   }
+}
+
+double Junction::velocity_per(const Input& input) const {
+  return (input.rate ? heaviest_ : 1.0) / (bodies_[input.body].held && !input.rate ? 1.0 : reference_);
 }
 
 double Junction::bound() const {
   double most = 0.0;
   for (const Face& face : faces) most = std::max(most, face.arriving->bound());
-  for (const Input& input : inputs_)
-    most = std::max(most, input.values.bound() / (bodies_[input.body].held ? 1.0 : reference_));
+  for (const Input& input : inputs_) most = std::max(most, input.values.bound() * velocity_per(input));
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (bodies_[i].mass > 0.0) most = std::max(most, std::abs(now_.bodies[i].velocity));
   return most;
@@ -238,7 +243,7 @@ void Junction::move(const Part& part, double stop) {
     const double before = place(i);
     body.moved.append(stop, part.from, part.to, v);
     if (body.end) widen(now_.bodies[i], v.restricted(from, to), window_ * (stop - part.begin), before, place(i));
-    if (!body.held && !states_.empty()) now_.bodies[i].velocity = v(to);
+    if (!body.held && heaviest_ > 0.0) now_.bodies[i].velocity = v(to);
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {
     LinkMemory& memory = now_.links[l];
@@ -280,7 +285,7 @@ void Junction::turn(std::size_t l, double s, double z, const Scale& scale) {
     if (link.kind == Kind::contact) {
       clearances_[l] = {0.0, travelled(link)};
       if (const auto held = held_by(l)) places_[held->first] = {held->second, bodies_[held->first].moved.integral()};
-      strike(l);
+      strike(l, z);
     }
   } else {
     memory.released = link.kind == Kind::stop && depth > roundings * scale.place;
@@ -293,27 +298,33 @@ void Junction::turn(std::size_t l, double s, double z, const Scale& scale) {
 }
 
 // Before the groups are those behind the closing.
-void Junction::strike(std::size_t l) {
+void Junction::strike(std::size_t l, double z) {
   const std::size_t a = group_[links_[l].a], b = group_[links_[l].b];
-  double mass = 0.0, momentum = 0.0, energy = 0.0;
-  bool one[2] = {false, false}, ground = false;
+  double mass = 0.0, momentum = 0.0;
+  bool one[2] = {false, false};
+  std::optional<std::size_t> ground;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (group_[i] != a && group_[i] != b) continue;
     const double m = bodies_[i].mass, v = now_.bodies[i].velocity;
-    ground |= bodies_[i].held;
+    if (bodies_[i].held) ground = i;
     if (m == 0.0 && !bodies_[i].held) continue;
     one[group_[i] == a ? 0 : 1] = true;
-    mass += m, momentum += m * v, energy += 0.5 * m * v * v;
+    mass += m, momentum += m * v;
   }
   if (mass == 0.0) return;
-  const double common = ground ? 0.0 : momentum / mass;
+  const double common = ground ? sum(velocities_[*ground])(z) : momentum / mass;
+  double lost = 0.0;
   before_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    before_.push_back(now_.bodies[i].velocity);
-    if (group_[i] == a || group_[i] == b) now_.bodies[i].velocity = common;
+    const double v = now_.bodies[i].velocity;
+    before_.push_back(v);
+    if (group_[i] != a && group_[i] != b) continue;
+    lost += 0.5 * bodies_[i].mass * (v - common) * (v - common);
+    now_.bodies[i].velocity = common;
   }
   if (!one[0] || !one[1]) return;  // one of them has no mass, and the other moves on
-  turns_.back().lost += energy - 0.5 * mass * common * common;
+  turns_.back().lost += lost;
+  if (ground) turns_.back().work = common * (mass * common - momentum);
   arrange();
   for (std::size_t k = 0; k < links_.size(); ++k) {
     if (!tied(k) || links_[k].kind != Kind::contact || group_[links_[k].a] != group_[links_[l].a]) continue;
@@ -341,7 +352,7 @@ void Junction::leave(double until) {
   if (!energetic_) return;
   const auto [work, dissipated] = flow(until);
   now_.work += work, now_.dissipated += dissipated;
-  for (const Turn& turn : turns_) now_.dissipated += turn.lost;
+  for (const Turn& turn : turns_) now_.dissipated += turn.lost, now_.work += turn.work;
 }
 
 }  // namespace viscobar::characteristics

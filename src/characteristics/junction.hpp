@@ -76,10 +76,11 @@ class Junction {
     double s;
     std::size_t link;
     Change change;
-    double velocity;   ///< before a closing, after an opening: of the body beside the ground, or of b against a
-    double impulse;    ///< of the link so far, the blow of an impact not counted
-    ContactPeak peak;  ///< of the contact that ends, by parts of the window
-    double lost;       ///< energy
+    double velocity;    ///< before a closing, after an opening: of the body beside the ground, or of b against a
+    double impulse;     ///< of the link so far, the blow of an impact not counted
+    ContactPeak peak;   ///< of the contact that ends, by parts of the window
+    double lost;        ///< energy
+    double work = 0.0;  ///< of ground, by a blow
   };
   const std::vector<Turn>& turns() const { return turns_; }  ///< of the window, in order
 
@@ -143,14 +144,15 @@ class Junction {
     double mass = 0.0, impedance = 0.0, dashpot = 0.0;  // impedance: of faces and dashpot
     bool held = false, end = false;                     // ground; the range of an end is kept
     const EndInput* input = nullptr;                    // its force, or the motion of ground
-    double momentum = 0.0;
+    double momentum = 0.0, carried = 0.0;               // of the start; a mass on an end, which moves as that does
     std::string key = {};
     Piecewise moved = {};  // its velocity in the window
   };
-  // F of a body, or V of ground.
+  // F of a body, or V of ground, or V' where the junction has masses, which ground may move.
   struct Input {
     std::size_t body;
-    Piecewise values;
+    bool rate = false;
+    Piecewise values = {};
   };
   // Rows of coefficients of the sources: faces, inputs, states.
   struct Rows {
@@ -175,6 +177,8 @@ class Junction {
     std::size_t number;
   };
 
+  double velocity_per(const Input& input) const;
+  std::optional<std::size_t> input_of(std::size_t body, bool rate) const;  // the column of a source
   void fit(const TimeFunction& f, const NextBreak& breaks, const char* what, Piecewise& fitted);
   void arrange();
   void find_velocities();
@@ -211,7 +215,7 @@ class Junction {
   std::optional<double> change_of(std::size_t link, const Part& part, const Scale& scale);
   void move(const Part& part, double stop);
   void turn(std::size_t link, double s, double z, const Scale& scale);
-  void strike(std::size_t link);
+  void strike(std::size_t link, double z);
   bool closed_at(std::size_t link, double s) const;
   std::optional<std::size_t> holder(std::size_t body, double s) const;  // link by which ground holds it, if one does
   double depth_at(std::size_t link, double s) const;
@@ -237,6 +241,7 @@ class Junction {
   std::vector<StateOf> states_;
   Rows velocities_, forces_, rates_, watched_;  // of bodies, links, states; k d + c d' of stops
   double rate_ = 0.0, reference_ = 1.0;         // the latter an impedance
+  double heaviest_ = 0.0;                       // mass
   std::vector<char> side_;
   std::vector<double> at_start_, row_, before_;
   std::vector<std::size_t> massless_;

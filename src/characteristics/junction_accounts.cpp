@@ -77,7 +77,7 @@ EnergyState Junction::energy_at(double s) const {
   energy.work = begin_.work + work;
   energy.dissipated = begin_.dissipated + dissipated;
   for (const Turn& turn : turns_)
-    if (turn.s <= s) energy.dissipated += turn.lost;
+    if (turn.s <= s) energy.dissipated += turn.lost, energy.work += turn.work;
   return energy;
 }
 
@@ -98,6 +98,7 @@ std::pair<double, double> Junction::flow(double until) const {
     for (const auto [node, weight] : gauss(Chebyshev::most_terms)) {
       const double s = middle + half * node, share = half * weight * window_;
       for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        if (inputs_[i].rate) continue;
         const std::size_t body = inputs_[i].body;
         const double value = inputs[i].value(s);
         if (!bodies_[body].held) work += share * value * velocity(body, s);

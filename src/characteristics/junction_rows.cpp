@@ -41,7 +41,7 @@ void Junction::add_end(std::size_t body, const EndCondition& condition, const En
   if (input.force) bodies_[body].input = &input;
   bodies_[body].dashpot += input.dashpot;
   bodies_[body].impedance += input.dashpot;
-  if (input.mass > 0.0) add_mass(body, input.mass, now_.bodies[body].velocity, table + ".mass");
+  if (input.mass > 0.0) bodies_[body].carried = input.mass, bodies_[body].key = table + ".mass";
   if (is_fixed(condition))
     links_.push_back({Kind::fixed, ground(now_.bodies[body].place, true), body});
   else if (const auto* obstacle = std::get_if<Obstacle>(&condition)) {
@@ -76,15 +76,21 @@ void Junction::finish() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     if (body.mass > 0.0) now_.bodies[i].velocity = body.momentum / body.mass;
-    if (body.input) inputs_.push_back({i, {}});
+    body.mass += body.carried;
+    heaviest_ = std::max(heaviest_, body.mass);
+    if (body.input) inputs_.push_back({i});
     flows_ |= body.input || body.dashpot > 0.0;
     places_[i] = {now_.bodies[i].place, 0.0};
     grounds_.push_back(now_.bodies[i].place);
   }
+  for (std::size_t i = 0; i < bodies_.size() && heaviest_ > 0.0; ++i)
+    if (bodies_[i].held && bodies_[i].input) inputs_.push_back({i, true});
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const Link& link = links_[l];
-    if (const auto held = link.kind == Kind::fixed ? held_by(l) : std::nullopt)
-      now_.bodies[held->first].velocity = 0.0;  // whatever its data are; one that a motion holds has no mass
+    if (const auto held = link.kind == Kind::fixed ? held_by(l) : std::nullopt) {
+      const EndInput* input = bodies_[held->first == link.b ? link.a : link.b].input;
+      now_.bodies[held->first].velocity = input ? input->motion->velocity(start_) : 0.0;  // whatever its data are
+    }
     const double a = now_.bodies[link.a].place, b = now_.bodies[link.b].place, clearance = b - a + link.gap;
     // Data that touch up to their rounding touch.
     const double touch = 4.0 * rounding * (std::abs(a) + std::abs(b) + link.gap);
@@ -167,6 +173,12 @@ std::optional<std::size_t> Junction::state_of(bool link, std::size_t number) con
   return std::nullopt;
 }
 
+std::optional<std::size_t> Junction::input_of(std::size_t body, bool rate) const {
+  for (std::size_t i = 0; i < inputs_.size(); ++i)
+    if (inputs_[i].body == body && inputs_[i].rate == rate) return faces.size() + i;
+  return std::nullopt;
+}
+
 // (sum Z + c) v is left out; factor times the rest.
 void Junction::add_push(std::size_t body, double factor, double* row) const {
   for (std::size_t i = 0; i < faces.size(); ++i)
@@ -183,8 +195,7 @@ void Junction::find_velocities() {
   for (std::size_t g = 0; g < n; ++g) {
     if (group_[g] != g) continue;
     if (const auto ground = ground_of(g)) {
-      for (std::size_t i = 0; i < inputs_.size(); ++i)
-        if (inputs_[i].body == *ground) velocities_[g][faces.size() + i] = 1.0;
+      if (const auto input = input_of(*ground, false)) velocities_[g][*input] = 1.0;
     } else if (const auto state = state_of(false, g)) {
       velocities_[g][*state] = 1.0;
     } else {
@@ -263,9 +274,12 @@ void Junction::find_forces() {
     if (!tied(l)) continue;
     const double sign = side_of(l);
     const auto state = state_of(false, group_[links_[l].a]);
+    const auto ground = ground_of(group_[links_[l].a]);
+    const auto ground_rate = ground ? input_of(*ground, true) : std::nullopt;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (!side_[i]) continue;
       add_resultant(i, -sign, forces_[l]);
+      if (ground_rate) forces_[l][*ground_rate] += sign * bodies_[i].mass;
       for (std::size_t j = 0; state && j < columns; ++j)
         forces_[l][j] += sign * bodies_[i].mass / window_ * rates_[*state - faces.size() - inputs_.size()][j];
     }

@@ -89,29 +89,28 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
         "method.name",
         "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
         "fully_discrete, or one of the penalised methods"};
+  if (auto why = rate_refusal(scene)) return why;
   for (const bool right : {false, true}) {
     const EndInput& input = right ? scene.right_input : scene.left_input;
-    const std::size_t last = right && !scene.chain.empty() ? scene.chain.size() - 1 : 0;
-    const bool of_body = !scene.chain.empty() && scene.chain[last].rigid();
-    if (input.motion && (input.mass > 0.0 || of_body))
-      return Finding{of_body ? fmt::format("bar.{}.mass", last + 1)
-                     : right ? "right.mass"
-                             : "left.mass",
-                     "is not for characteristics where what holds it, or the obstacle before it, moves; use rigid, or "
-                     "fully_discrete"};
-  }
-  if (auto why = rate_refusal(scene)) return why;
-  for (const auto& [input, condition, key] :
-       {std::tuple{&scene.left_input, &scene.left, "left"}, {&scene.right_input, &scene.right, "right"}}) {
-    if (!input->motion || !input->motion->breaks) continue;
-    const EndMotion& motion = *input->motion;
+    if (!input.motion || !input.motion->breaks) continue;
+    const EndMotion& motion = *input.motion;
+    const bool of_body = !scene.chain.empty() && (right ? scene.chain.back() : scene.chain.front()).rigid();
     const double apart = rounding_of_times(0.0, end);
+    // How far f moves at t beyond what it does at its rate.
+    const auto jumps = [&](double t, const TimeFunction& f, const TimeFunction& rate) {
+      const double before = f(t - apart), after = f(t + apart);
+      const double rates = std::abs(rate(t - apart)) + std::abs(rate(t + apart));
+      return std::abs(after - before) > 16.0 * rates * apart + 1e-12 * (std::abs(before) + std::abs(after));
+    };
+    const auto refused = [&](double t, std::string_view what) {
+      const bool obstacle = is_obstacle(right ? scene.right : scene.left);
+      return Finding{fmt::format("{}.{}", right ? "right" : "left", obstacle ? "gap" : "motion"),
+                     fmt::format("{} at t = {}, and characteristics does not follow it; use rigid", what, t)};
+    };
     for (auto at = motion.breaks(0.0, end); at; at = motion.breaks(*at + apart, end)) {
-      const double before = motion.displacement(*at - apart), after = motion.displacement(*at + apart);
-      const double rates = std::abs(motion.velocity(*at - apart)) + std::abs(motion.velocity(*at + apart));
-      if (std::abs(after - before) > 16.0 * rates * apart + 1e-12 * (std::abs(before) + std::abs(after)))
-        return Finding{fmt::format("{}.{}", key, is_obstacle(*condition) ? "gap" : "motion"),
-                       fmt::format("jumps at t = {}, and characteristics does not follow it; use rigid", *at)};
+      if (jumps(*at, motion.displacement, motion.velocity)) return refused(*at, "jumps");
+      if ((input.mass > 0.0 || of_body) && jumps(*at, motion.velocity, motion.acceleration))
+        return refused(*at, "has a kink, by which a mass is struck,");
     }
   }
   const double passages = end / characteristics::window_of(characteristics::bars_of(scene));
