@@ -110,6 +110,28 @@ std::optional<JointRow> row_of_free_body(const Contacts& contacts, std::size_t i
   return lightest;
 }
 
+std::optional<std::size_t> contact_of_body(const Contacts& contacts, bool right) {
+  const Where where = right ? Where::right : Where::left;
+  // Those of ends come first.
+  for (std::size_t i = 0; i < contacts.size() && contacts[i].at_end(); ++i)
+    if (contacts[i].where == where && contacts[i].beyond) return i;
+  return std::nullopt;
+}
+
+EndRows end_rows(const Contacts& contacts, std::size_t end, std::optional<std::size_t> struck) {
+  EndRows rows{.last = end};
+  const std::optional<std::size_t> contact = contact_of_body(contacts, contacts.bar().unknowns().is_right(end));
+  if (!contact) return rows;
+  rows.of_body = true, rows.strained = false;
+  rows.by_law = contacts[*contact].by_law;
+  if (rows.by_law) return rows;
+  for (auto k = contacts[*contact].beyond; k && (contacts.closed(*k) || k == struck); k = contacts[*k].beyond) {
+    rows.last = end == 0 ? rows.last + 1 : rows.last - 1;
+    rows.strained = !contacts[*k].beyond;
+  }
+  return rows;
+}
+
 std::array<double, 2> inertia_beside(const BandedMatrix& inertia, std::size_t end) {
   if (inertia.off_diagonal.empty()) return {0.0, 0.0};
   const double beside = inertia.off_diagonal[std::min(end, neighbour(end))];

@@ -49,6 +49,20 @@ inline JointRow holding_row(const Contacts& contacts, std::size_t i) {
   return of_body ? *of_body : joint_row(contacts, i);
 }
 
+/// The contact of an end with a rigid body which another contact meets; absent where it has none.
+std::optional<std::size_t> contact_of_body(const Contacts& contacts, bool right);
+/// The rows whose sum tells the impulse of the obstacle on an end: those of the unknowns from there to `last`. They are
+/// that of the end alone, unless it is a rigid body which another contact meets: then those of all that closed rigid
+/// contacts hold together with it.
+struct EndRows {
+  std::size_t last = 0;
+  bool strained = true;  ///< an element beyond the last one pulls at it
+  bool by_law = false;   ///< the obstacle's law tells its force, and no row is needed
+  bool of_body = false;  ///< of such a rigid body
+};
+/// As the contacts are now, `struck`, one that takes part in an impact, counting as closed.
+EndRows end_rows(const Contacts& contacts, std::size_t end, std::optional<std::size_t> struck = std::nullopt);
+
 /// The unknown beside an end.
 inline std::size_t neighbour(std::size_t end) { return end == 0 ? 1 : end - 1; }
 /// Off the diagonal of rho M in the row of an end: at its neighbour, and at the next one.

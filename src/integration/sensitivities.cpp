@@ -98,7 +98,7 @@ void Sensitivities::complete(Derivative& derivative, const Moment& at, const Blo
 // Where the state jumps without an obstacle, that is none of its impulse.
 void Sensitivities::book_momentum(Derivative& derivative, const Moment& at, const Block& s, double times) const {
   layout_->each_impulse([&](std::size_t e, std::size_t node) {
-    s.impulses()[e] += times * derivative.momentum(node, derivative.end_rows(node), at, s.u(), s.w());
+    s.impulses()[e] += times * derivative.momentum(node, end_rows(contacts_, node), at, s.u(), s.w());
   });
 }
 
@@ -241,7 +241,7 @@ void Sensitivities::sum_up(double t, std::span<double> y) {
       complete(derivative, at, s);
       layout_->each_impulse([&](std::size_t e, std::size_t node) {
         impulses[layout_->left ? e : 1] =
-            s.impulses()[e] + derivative.momentum(node, derivative.end_rows(node), at, s.u(), s.w());
+            s.impulses()[e] + derivative.momentum(node, end_rows(contacts_, node), at, s.u(), s.w());
       });
       energy = derivative.energy(at, s.u(), s.w());
     }

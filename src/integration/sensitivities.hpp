@@ -143,8 +143,8 @@ class Sensitivities {
   // Data of the change that is under way.
   std::vector<double> old_velocity_, old_acceleration_, shifts_;
   bool shifted_ = false;
-  std::array<double, 2> reactions_{};          // of obstacles, before the change and then after it
-  std::array<Derivative::EndRows, 2> blow_{};  // rows of ends that take part in it
+  std::array<double, 2> reactions_{};  // of obstacles, before the change and then after it
+  std::array<EndRows, 2> blow_{};      // rows of ends that take part in it
   std::pair<double, std::size_t> last_change_{-1.0, 0};
   std::vector<std::pair<std::vector<double>, std::vector<double>>> jumps_;  // [b] and [b'] of each
   std::vector<Field> fields_;

@@ -139,7 +139,7 @@ std::vector<ChangeSensitivity> Sensitivities::before(double t, double since, std
 // The derivatives are those at the time of the change from here on, until after().
 void Sensitivities::shift_to_change(const Moment& at, std::size_t i, std::span<double> y) {
   shifted_ = true;
-  layout_->each_impulse([&](std::size_t e, std::size_t end) { blow_[e] = pointers_.front()->end_rows(end, i); });
+  layout_->each_impulse([&](std::size_t e, std::size_t end) { blow_[e] = end_rows(contacts_, end, i); });
   find_reactions(at);
   each(y, [&](std::size_t k, Derivative& derivative, const Block& s) {
     book_bodies(derivative, at, s, 1.0, shifts_[k]);
@@ -152,19 +152,18 @@ void Sensitivities::shift_to_change(const Moment& at, std::size_t i, std::span<d
 // rows tell it may change. With the momentum p of these rows, and that of those that take part in a blow, the impulse
 // gains p' + R dt*/dp before and loses it after, and gains what p' of the latter grows by from s- to s+.
 void Sensitivities::find_reactions(const Moment& at) {
-  reactions_ = {};
-  for (std::size_t i = 0; i < contacts_.size() && pointers_.front()->has_bodies(); ++i)
-    if (contacts_.closed(i) && contacts_[i].joint == 0)
-      reactions_[contacts_[i].where == Where::right] =
-          contacts_[i].holds ? holding_force(system_, i, at.t, at.u, at.w)
-                             : contacts_[i].law.force(contacts_.clearance(i, at.u), contacts_[i].of(at.w));
+  for (const bool right : {false, true})
+    if (const auto i = contact_of_body(contacts_, right))
+      reactions_[right] = !contacts_.closed(*i) ? 0.0
+                          : contacts_[*i].holds
+                              ? holding_force(system_, *i, at.t, at.u, at.w)
+                              : contacts_[*i].law.force(contacts_.clearance(*i, at.u), contacts_[*i].of(at.w));
 }
 
 void Sensitivities::book_bodies(Derivative& derivative, const Moment& at, const Block& s, double times,
                                 double shift) const {
-  if (!derivative.has_bodies()) return;
   layout_->each_impulse([&](std::size_t e, std::size_t end) {
-    const Derivative::EndRows rows = derivative.end_rows(end);
+    const EndRows rows = end_rows(contacts_, end);
     if (!rows.of_body) return;
     const double reaction = reactions_[system_.bar().unknowns().is_right(end)];
     s.impulses()[e] += times * (derivative.momentum(end, rows, at, s.u(), s.w()) + reaction * shift);
@@ -172,7 +171,6 @@ void Sensitivities::book_bodies(Derivative& derivative, const Moment& at, const 
 }
 
 void Sensitivities::book_blow(Derivative& derivative, const Moment& at, const Block& s, double times) const {
-  if (!derivative.has_bodies()) return;
   layout_->each_impulse([&](std::size_t e, std::size_t end) {
     if (blow_[e].of_body) s.impulses()[e] += times * derivative.momentum(end, blow_[e], at, s.u(), s.w());
   });

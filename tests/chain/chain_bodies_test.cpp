@@ -55,6 +55,37 @@ TEST(RigidBodies, ARamLeavesAWallWithItsRestitution) {
     }
 }
 
+// A wall that goes away, at t0 and with velocity -V0, strikes a body of mass 0.4 that it leaves at once: the mass is
+// the scene's, not the mesh's. A second body of mass 0.8 overtakes the first at t1; both come to the wall at t2, and
+// strike it and each other until all have its velocity -V2.
+TEST(RigidBodies, AWallThatGoesAwayStrikesWhatMeetsIt) {
+  const double t0 = (0.2 - std::sqrt(0.04 - 0.006)) / 0.06, v0 = 0.06 * t0, t1 = t0 + 0.02 / (0.2 - v0);
+  const double common = (0.4 * v0 + 0.8 * 0.2) / 1.2, place = 0.2 * t0 + v0 * (t1 - t0) - common * t1;
+  const double t2 = (common - std::sqrt(common * common - 0.12 * (0.05 - place))) / 0.06;
+  for (const char* method : {"rigid", "characteristics"})
+    for (const bool two : {false, true}) {
+      const std::string contact = "[[joint]]\nkind = \"contact\"\n";
+      const Recording found =
+          run_of(std::string("[[bar]]\nmass = 0.4\nvelocity = -0.2\n") +
+                     (two ? "[[bar]]\nmass = 0.8\nvelocity = -0.2\n" : "") + far_bar + contact + "gap = 0.02\n" +
+                     (two ? contact + "gap = 0.5\n" : "") + "[left]\nkind = \"obstacle\"\ngap = \"0.05+0.03*t^2\"\n" +
+                     "[time]\nend = 0.45\n[contact]\nrestitution = 0\n[method]\nrelative_tolerance = 1e-10\nname = \"" +
+                     method + "\"\n",
+                 {two ? "bar.3.viscosity=0" : "bar.2.viscosity=0"});
+      const std::string what = fmt::format("{} {}", method, two);
+      ASSERT_GE(found.events.size(), 2U) << what;
+      for (const std::size_t k : {0, 1}) EXPECT_NEAR(found.events[k].time, t0, 1e-9) << what;
+      EXPECT_NEAR(found.events[0].velocity, -0.2, 1e-9) << what;
+      EXPECT_NEAR(found.events[1].velocity, -v0, 1e-9) << what;
+      const double v2 = 0.06 * t2, mass = two ? 1.2 : 0.4, left = two ? v2 : v0;
+      EXPECT_NEAR(found.statistics.account->left.impulse, mass * (0.2 - left), 1e-7) << what;
+      const double work = -0.4 * v0 * (0.2 - v0) - (two ? v2 * (0.8 * 0.2 + 0.4 * v0 - 1.2 * v2) : 0.0);
+      EXPECT_NEAR(found.statistics.energy->work, work, 1e-7) << what;
+      EXPECT_NEAR(found.statistics.energy->final, 0.5 * mass * left * left, 1e-7) << what;
+      EXPECT_NEAR(found.statistics.energy->balance_error(), 0.0, 1e-9) << what;
+    }
+}
+
 // v1 = (m1 - e m2) / (m1 + m2), v2 = (1 + e) m1 / (m1 + m2), impulse m2 v2.
 TEST(RigidBodies, TwoThatMeetKeepTheirMomentum) {
   for (const double e : {0.0, 0.5})

@@ -144,6 +144,25 @@ TEST(MovedChains, ElasticOnesAreWhatWavesAre) {
   }
 }
 
+// A wall pushes a body of mass m and the bar bonded to it, of impedance Z, by N = m V' + Z V, until a wave comes back.
+TEST(MovedChains, AWallBeforeABodyOfAnElasticBarPushesBoth) {
+  const double m = 0.4, z = 2.0;
+  const Recording run = run_of(
+      "[[bar]]\nmass = 0.4\nvelocity = 0.0\n[[bar]]\nlength = 1.0\ndensity = 2.0\nmodulus = 2.0\nvelocity = 0.0\n[left]\n"
+      "kind = \"obstacle\"\ngap = \"-0.05*(1-cos(2*t))\"\n[time]\nend = 0.7\n[output]\nevery = 0.1\n[method]\nname = "
+      "\"characteristics\"\n");
+  const std::size_t nodes = run.mesh.nodes();
+  for (std::size_t k = 1; k < run.times.size(); ++k) {
+    const double t = run.times[k];
+    EXPECT_NEAR(run.u[k * nodes], 0.05 * (1.0 - std::cos(2.0 * t)), 1e-15) << t;
+    EXPECT_NEAR(run.reaction_left[k], m * 0.2 * std::cos(2.0 * t) + z * 0.1 * std::sin(2.0 * t), 1e-14) << t;
+  }
+  const double end = run.times.back(), v = 0.1 * std::sin(2.0 * end);
+  EXPECT_NEAR(run.statistics.account->left.impulse, m * v + z * 0.05 * (1.0 - std::cos(2.0 * end)), 1e-14);
+  EXPECT_NEAR(run.statistics.energy->work, 0.5 * m * v * v + z * 0.01 * (end / 2.0 - std::sin(4.0 * end) / 8.0), 1e-14);
+  EXPECT_NEAR(run.statistics.energy->balance_error(), 0.0, 1e-14);
+}
+
 // Derivatives by what moves an end, and by the bars, are those of one bar.
 TEST(MovedChains, HaveTheDerivativesOfTheBar) {
   for (const std::string& ends : {moved_ends[0], moved_ends[2]})

@@ -78,8 +78,6 @@ Derivative::Derivative(PenalisedSystem& system, const Penalty& penalty, const Di
   }
   take_sides(direction);
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (contacts_[i].joint == 0 && contacts_[i].beyond) of_bodies_[contacts_[i].where == Where::right] = i;
-  for (std::size_t i = 0; i < contacts_.size(); ++i)
     laws_.push_back(contacts_[i].law.stop() ? stop_rates(i, direction)
                     : contacts_[i].rigid    ? LawRates{0.0, 0.0}
                                             : spring_rates(i, penalty, direction));

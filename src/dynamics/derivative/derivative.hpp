@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "dynamics/contact_rows.hpp"
 #include "dynamics/derivative/matrix_rates.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "viscobar/dynamics/sensitivity.hpp"
@@ -81,20 +82,9 @@ class Derivative {
   };
   /// Derivative of the force that holds a fixed end (see BarSystem), from the values of the bar itself and of s. O(1)
   double holding_force(bool right, double t, const Nodal& bar, const Nodal& s) const;
-  /// The rows whose sum tells the impulse of the obstacle on an end: those of the unknowns from there to `last`. They
-  /// are that of the end alone, unless it is a rigid body which another contact meets: then those of all that closed
-  /// rigid contacts hold together with it. Where the obstacle is by_law its force is known, and no row is needed.
-  struct EndRows {
-    std::size_t last = 0;
-    bool strained = true;  ///< an element beyond the last one pulls at it
-    bool by_law = false;
-    bool of_body = false;  ///< of such a rigid body
-  };
-  bool has_bodies() const { return of_bodies_[0] || of_bodies_[1]; }  ///< at an end, which another contact meets
-  /// `struck`: a contact that takes part in an impact, as if it were closed.
-  EndRows end_rows(std::size_t end, std::optional<std::size_t> struck = std::nullopt) const;
-  /// Derivatives of (rho M v + eta K u) in those rows, and of its rate without the reaction, (E K u - M f): the impulse
-  /// of the obstacles on that end is the one plus the integral of the other. By a law they are 0 and the reaction.
+  /// Derivatives of (rho M v + eta K u) in the rows of an end, and of its rate without the reaction, (E K u - M f): the
+  /// impulse of the obstacles on that end is the one plus the integral of the other. By a law they are 0 and the
+  /// reaction.
   /// @param s_rate s' at the end
   double momentum(std::size_t end, const EndRows& rows, const Moment& at, std::span<const double> s,
                   std::span<const double> rate) const;
@@ -155,7 +145,7 @@ class Derivative {
     return side.at_end(rows.last + unknowns.first_node(), unknowns.is_right(end), r);
   }
   double displacement(std::size_t end, std::span<const double> u) const;  // of the bar itself
-  // Of the last row of an end.
+  // Beside the last row of an end.
   double stretch(std::size_t end, std::size_t last, std::span<const double> x, std::span<const double> origin,
                  const BarSystem& walls) const;
 
@@ -165,9 +155,8 @@ class Derivative {
   const Contacts& contacts_;  // of the bar
   Contacts& of_contacts_;     // of s
   MatrixRates matrices_;
-  std::vector<double> start_;                            // see start_of_masses()
-  double relative_change_;                               // of what the bar and its contacts are made of
-  std::array<std::optional<std::size_t>, 2> of_bodies_;  // contacts of ends with a rigid body that another one meets
+  std::vector<double> start_;  // see start_of_masses()
+  double relative_change_;     // of what the bar and its contacts are made of
   std::vector<LawRates> laws_;
   std::vector<Support> supports_;
   std::vector<SideRows> sides_;

@@ -22,20 +22,6 @@ double Derivative::holding_force(bool right, double t, const Nodal& bar, const N
          system_.bar().holding_force(right, s.u, s.v, s.a, motion_.load().held(right, t));
 }
 
-Derivative::EndRows Derivative::end_rows(std::size_t end, std::optional<std::size_t> struck) const {
-  EndRows rows{.last = end};
-  const std::optional<std::size_t> contact = of_bodies_[system_.bar().unknowns().is_right(end)];
-  if (!contact) return rows;
-  rows.of_body = true, rows.strained = false;
-  rows.by_law = contacts_[*contact].by_law;
-  if (rows.by_law) return rows;
-  for (auto k = contacts_[*contact].beyond; k && (contacts_.closed(*k) || k == struck); k = contacts_[*k].beyond) {
-    rows.last = end == 0 ? rows.last + 1 : rows.last - 1;
-    rows.strained = !contacts_[*k].beyond;
-  }
-  return rows;
-}
-
 double Derivative::momentum(std::size_t end, const EndRows& rows, const Moment& at, std::span<const double> s,
                             std::span<const double> rate) const {
   if (rows.by_law) return 0.0;
@@ -93,9 +79,9 @@ double Derivative::elastic_row(std::size_t end, const EndRows& rows, double u, d
 
 double Derivative::momentum_loss(std::size_t end, const Moment& at, std::span<const double> s, double s_rate) {
   const BarSystem& bar = system_.bar();
-  const EndRows rows = end_rows(end);
+  const EndRows rows = end_rows(contacts_, end);
   if (rows.by_law) {
-    const std::size_t i = *of_bodies_[bar.unknowns().is_right(end)];
+    const std::size_t i = *contact_of_body(contacts_, bar.unknowns().is_right(end));
     return contacts_.closed(i) ? law_reaction(i, at, s, s_rate) : 0.0;
   }
   const std::size_t last = rows.last;

@@ -7,6 +7,7 @@
 
 #include "dynamics/impact.hpp"
 #include "dynamics/obstacle_motion.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
@@ -153,10 +154,18 @@ void ContactChanges::strike(double t, std::size_t i, std::optional<double> closi
 }
 
 bool ContactChanges::is_of_scene(double t, std::size_t i, double closing) const {
+  const BarSystem& bar = on_.system.bar();
+  const auto has_mass = [&](std::size_t unknown) {
+    return std::ranges::any_of(
+               bar.supports(),
+               [&](const Support& support) { return support.unknown == unknown && support.mass > 0.0; }) ||
+           std::ranges::any_of(bar.elements().pieces(), [&](const Piece& piece) {
+             return piece.rigid() && piece.first == unknown + bar.unknowns().first_node();
+           });
+  };
   const Contact& contact = contacts_[i];
-  const double mass = contact.at_end() ? on_.system.bar().inputs()[contact.where == Where::right].mass : 0.0;
-  return mass > 0.0 || (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
-         2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing);
+  return (has_mass(contact.unknown) && (contact.joint == 0 || has_mass(contact.unknown - 1))) ||
+         2.0 * contact.sign * frame_velocity(t, i) > std::abs(closing);
 }
 
 // Energy that the penalty has stored is lost, as work of the obstacle.

@@ -140,7 +140,7 @@ void StepDerivatives::add_elastic_impulses(std::size_t k, std::span<const double
   for (std::size_t e = 0; e < ends_.size(); ++e) {
     const Derivative& of = *derivatives_[k];
     const std::size_t end = ends_[e];
-    const Derivative::EndRows rows = of.end_rows(end);
+    const EndRows rows = end_rows(system_.contacts(), end);
     const std::size_t last = rows.last, beside = end == 0 ? last + 1 : last - 1;
     const std::vector<Complex>& x = parts_[k].x;
     const Complex u = image(w[end], motion[end]), s = image(q[end], x[end]);

@@ -168,7 +168,7 @@ void Leg::impulse_rates(Derivative& derivative, const Moment& at, std::span<cons
                         std::span<double> rates) {
   layout.each_impulse([&](std::size_t k, std::size_t end) {
     // Each has its rows and the node beside them, and with a side that resists the next one, too.
-    const std::size_t last = derivative.end_rows(end).last, beside = system.bar().side() ? 2 : 1;
+    const std::size_t last = end_rows(system.contacts(), end).last, beside = system.bar().side() ? 2 : 1;
     const std::size_t rows = end == 0 ? last : end - last;
     const std::size_t reach = std::min(layout.nodes, rows + 1 + beside);
     const auto sum = [&](std::size_t i) { return s[i] + (x.empty() ? 0.0 : x[i]); };
