@@ -31,7 +31,7 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
 
 void LaneLevels::add(std::size_t bar, OwnMember own) {
   const std::size_t level = shared_.error ? first_level(own.member.bar) : 0;
-  if (shared_.error && shared_.rigid_beside && strikes_anew(own.member)) return alone_(bar);
+  if (shared_.error && shared_.rigid_beside && is_of_rigid(own.member)) return alone_(bar);
   if (shared_.error && shared_.rigid_beside &&
       4.0 * static_cast<double>(steps_at(level)) > crossing * ways(own.member.bar))
     return alone_(bar);
@@ -73,11 +73,12 @@ std::size_t LaneLevels::first_level(const Bar& bar) const {
 }
 
 // A node that rebounds does so two steps late, and one with a mass that is pulled off as it strikes is back within a
-// step or two: no run side by side tells these contact changes.
-bool LaneLevels::strikes_anew(const Member& bar) const {
+// step or two: no run side by side tells these contact changes. The first force of an impact is over within a step, and
+// one on a node with mass grows with their number.
+bool LaneLevels::is_of_rigid(const Member& bar) const {
   const Pattern& pattern = *members_.pattern();
   const bool weighted = (pattern.contact[0] && bar.mass[0] > 0.0) || (pattern.contact[1] && bar.mass[1] > 0.0);
-  return bar.restitution > 0.0 || (layout_.most_changes > 0 && weighted);
+  return bar.restitution > 0.0 || layout_.peaks || (layout_.most_changes > 0 && weighted);
 }
 
 void LaneLevels::run() {

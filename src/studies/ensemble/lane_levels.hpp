@@ -54,7 +54,7 @@ class LaneLevels {
   double ways(const Bar& bar) const;  // that a wave takes through it until the end
   std::size_t level_of(double steps) const;
   std::size_t first_level(const Bar& bar) const;
-  bool strikes_anew(const Member& bar) const;
+  bool is_of_rigid(const Member& bar) const;
   std::vector<std::unique_ptr<BarValues>> run_pack(std::span<const Waiting> pack, std::size_t level);
   void look(std::span<const Waiting> pack, const LaneSample& at);
   void told(std::size_t bar, std::size_t lane, std::unique_ptr<BarValues> values, double error, std::size_t level);
