@@ -11,7 +11,8 @@ namespace viscobar {
 
 namespace {
 
-constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.5, finest = 1e-9;  // shares
+constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.5, finest = 1e-9,
+                 narrowest = 1e-4;  // shares
 constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 
 }  // namespace
@@ -22,6 +23,7 @@ FormulaDetail::FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along
       jets_(tree_->size()),
       middle_(jets_),
       along_x_(along_x),
+      whole_(other),
       other_{other, {0.0, 0.0}} {}
 
 // Each part of the formula by its mean value form as well: what it is in the middle, and its slope times the way from
@@ -64,6 +66,7 @@ void FormulaDetail::find() {
 // A bound of |f| that is at most twice a value of it: where bounds are greatest they are halved. Where that does not
 // come to an end, the greatest value that was met. Beside a pole nothing counts: 0.
 double FormulaDetail::largest() {
+  other_.value = whole_;
   constexpr int parts = 64, most = 4000;
   const auto size = [](Interval of) { return std::max(of.high, -of.low); };
   double met = 0.0;
@@ -95,28 +98,61 @@ void FormulaDetail::search(double share) {
   std::size_t stretches = 0;
   for (double begin = 0.0, end = 0.0; begin < until_ && ++stretches < most_stretches; begin = end) {
     end = switches_.first(0.0, begin + rounding_, until_).value_or(until_);
-    divide(begin, end);
+    divide(begin, end, {whole_});
   }
 }
 
-void FormulaDetail::divide(double begin, double end) {
+// Bounds there, for those values of the other variable.
+Jet FormulaDetail::over(const Jet& s, Interval other) {
+  other_.value = other;
+  bound(s);
+  return tree_->of_nodes(jets_.data())[tree_->root];
+}
+
+// Values of the other variable for which there may be more than a straight line are looked at: in halves, where that is
+// most of all its own doing, as of a wave that travels, and else in halves of the interval. Where something goes on
+// that always changes about as fast, a step sees it, wherever it ends.
+void FormulaDetail::divide(double begin, double end, std::vector<Interval> others) {
   const double size = end - begin;
   if (size < 4.0 * rounding_ || (!along_x_ && covered_ > pulses * until_)) return;
   const Jet s{{begin + rounding_, end - rounding_}, {1.0, 1.0}};
-  bound(s);
-  const auto [value, slope] = tree_->of_nodes(jets_.data())[tree_->root];
-  const double apart = std::min(value.high - value.low, (slope.high - slope.low) * size / 4.0);
-  if (apart > allowed_ && size > finest * until_ && ++effort_ < most_halvings) {
-    divide(begin, begin + size / 2.0);
-    divide(begin + size / 2.0, end);
+  const auto apart = [&](const Jet& f) {
+    return std::min(f.value.high - f.value.low, (f.slope.high - f.slope.low) * size / 4.0);
+  };
+  std::vector<Interval> rough;
+  double range = 0.0, slowest = 0.0, fastest = 0.0;
+  while (!others.empty()) {
+    const Interval other = others.back();
+    others.pop_back();
+    const Jet f = over(s, other);
+    const double middle = other.low + (other.high - other.low) / 2.0;
+    if (apart(f) > allowed_ && other.high - other.low > narrowest * whole_.high && ++effort_ < most_halvings &&
+        apart(over(s, Interval(middle))) < apart(f) / 2.0) {
+      others.push_back({middle, other.high});
+      others.push_back({other.low, middle});
+      continue;
+    }
+    range = std::max(range, f.value.high - f.value.low);
+    slowest = std::max({slowest, f.slope.low, -f.slope.high});
+    fastest = std::max({fastest, f.slope.high, -f.slope.low});
+    if (apart(f) > allowed_) rough.push_back(other);
+  }
+  if (!rough.empty() && size > finest * until_ && ++effort_ < most_halvings) {
+    divide(begin, begin + size / 2.0, rough);
+    divide(begin + size / 2.0, end, std::move(rough));
     return;
   }
-  if (value.high - value.low <= allowed_) quiet_ += size;
+  if (range <= allowed_) quiet_ += size;
+  const bool steady = !along_x_ && slowest > fastest / 4.0;
   if (size < coarse_) {
     covered_ += size;
-    if (places_.empty() || places_.back() < begin) places_.push_back(begin);
+    if (places_.empty() || places_.back() < begin)
+      places_.push_back(begin);
+    else if (steady && steady_)
+      places_.pop_back();
     places_.push_back(end);
   }
+  steady_ = steady;
 }
 
 }  // namespace viscobar

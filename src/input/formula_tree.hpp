@@ -187,16 +187,19 @@ class FormulaDetail {
   void find();
   double largest();
   void search(double share);
-  void divide(double begin, double end);
+  Jet over(const Jet& s, Interval other);
+  void divide(double begin, double end, std::vector<Interval> others);
 
   std::shared_ptr<const FormulaTree> tree_;
   FormulaSwitches switches_;
   std::vector<Jet> jets_, middle_;
   std::vector<double> places_;
   bool along_x_;
+  const Interval whole_;  // of the other variable
   Jet other_;
   double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
   std::size_t effort_ = 0;
+  bool steady_ = false;
 };
 
 }  // namespace viscobar
