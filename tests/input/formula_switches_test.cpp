@@ -113,6 +113,28 @@ TEST(FormulaSwitches, MissNoShortPulseOfANonlinearArgument) {
   }
 }
 
+// A wave that travels is somewhere all the time, and goes on changing as fast: no step misses it. One that is gone
+// before a step ends is a pulse, and so is one at a spot.
+TEST(FormulaDetail, AWaveThatTravelsIsNoPulse) {
+  const auto places = [](const std::string& text, double until) {
+    const NextBreak next = Formula(text, "xt").breaks_and_pulses(1.0);
+    std::vector<double> all;
+    for (auto at = next(0.0, until); at; at = next(*at, until)) all.push_back(*at);
+    return all;
+  };
+  const auto within = [](const std::vector<double>& all, double begin, double end) {
+    return std::ranges::count_if(all, [=](double at) { return at > begin && at < end; });
+  };
+  for (const double until : {1.5, 2.687, 10.0, 30.0})
+    EXPECT_LT(places("3*exp(-((x-1.25*t)/0.08)^2)", until).size(), 100U) << until;
+  for (const char* text : {"exp(-((x-1000*(t-1))/0.08)^2)", "exp(-((x-0.3)/0.02)^2-((t-1)/0.0005)^2)",
+                           "sin(6*x)*exp(-((t-1)/0.0005)^2)"}) {
+    const std::vector<double> all = places(text, 3.0);
+    EXPECT_GE(within(all, 0.995, 1.005), 4) << text;
+    EXPECT_LT(all.size(), 100U) << text;
+  }
+}
+
 TEST(FormulaSwitches, EndTheirSearchWhereNothingCanBeProven) {
   EXPECT_LT(breaks_in("abs(sin(t) - sin(t))", 1e3).size(), 10u);
   EXPECT_LT(breaks_in("exp(t) - exp(t) > 0", 1.0).size(), 10u);

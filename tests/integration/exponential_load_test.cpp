@@ -50,6 +50,24 @@ TEST(Exponential, CrossesKinksOfTheLoadAndIsNotHeldUpByItsRounding) {
   EXPECT_LT(run.statistics.steps, 20 * 2 * 64u);  // a step a halving, down to rounding and up again at each kink
 }
 
+// Each piece adds a little to what the load is made of: parts of one rounding, which stay orthogonal.
+TEST(Exponential, APulseThatTravelsIsFollowedInAsManyPiecesAsThereAre) {
+  Scene scene = falling_bar(1.0, 0.0, 0.134);
+  scene.left = Free{};
+  GeneralLoad load{[](double x, double t) { return 3.0 * std::exp(-std::pow((x - 1.25 * t) / 0.08, 2)); }};
+  std::vector<std::vector<double>> found;
+  for (const bool in_pieces : {false, true}) {
+    if (in_pieces)
+      load.breaks = [](double after, double until) {
+        const double next = (std::floor(after / 1.6e-4 + 1e-6) + 1.0) * 1.6e-4;
+        return next < until ? std::optional(next) : std::nullopt;
+      };
+    scene.load = load;
+    found.push_back(record(BarSystem(scene, Mesh{1.0, 60}, Mass::consistent), {0.0, 0.7}).u.back());
+  }
+  for (std::size_t j = 0; j < found[0].size(); ++j) EXPECT_NEAR(found[1][j], found[0][j], 1e-12) << j;
+}
+
 // A force of triangles with the impulse 1: t is known to a rounding, 4e-16 of it, and the force to that times its
 // slope.
 TEST(Exponential, FollowsAFrontAsSteepAsTimeHasDigits) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "viscobar/dynamics/load_error.hpp"
 #include "viscobar/dynamics/load_vector.hpp"
@@ -51,13 +52,18 @@ const Chebyshev& chebyshev() {
 // Below it a number has lost digits.
 constexpr double smallest = std::numeric_limits<double>::min();
 
-// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it. (The square of
-// a load of 1e-200 is 0: norms are Eigen's stable ones.)
+// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it. What a pass
+// leaves is mostly its rounding, within the span, while it makes the rest much less. (The square of a load of 1e-200 is
+// 0: norms are Eigen's stable ones.)
 void extend(MatrixXd& basis, const Eigen::VectorXd& sample, double largest) {
+  const double nothing = std::max(8.0 * std::numeric_limits<double>::epsilon() * largest, smallest);
   Eigen::VectorXd rest = sample;
-  for (int pass = 0; pass < 2; ++pass) rest -= basis * (basis.transpose() * rest);
-  const double norm = rest.stableNorm();
-  if (norm <= std::max(8.0 * std::numeric_limits<double>::epsilon() * largest, smallest)) return;
+  double norm = sample.stableNorm(), before = 0.0;
+  do {
+    rest -= basis * (basis.transpose() * rest);
+    before = std::exchange(norm, rest.stableNorm());
+    if (norm <= nothing) return;
+  } while (norm < 0.5 * before);
   basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
   basis.rightCols(1) = rest / norm;
 }
