@@ -7,6 +7,8 @@
 #include <string>
 
 #include "support/exponential_runs.hpp"
+#include "viscobar/case/recording.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar::testing_exponential_load {
 namespace {
@@ -52,18 +54,21 @@ TEST(Exponential, CrossesKinksOfTheLoadAndIsNotHeldUpByItsRounding) {
 
 // Each piece adds a little to what the load is made of: parts of one rounding, which stay orthogonal.
 TEST(Exponential, APulseThatTravelsIsFollowedInAsManyPiecesAsThereAre) {
-  Scene scene = falling_bar(1.0, 0.0, 0.134);
-  scene.left = Free{};
-  GeneralLoad load{[](double x, double t) { return 3.0 * std::exp(-std::pow((x - 1.25 * t) / 0.08, 2)); }};
+  Case run =
+      parse_scene(
+          "[bar]\nlength = 1.0\ndensity = 0.831\nmodulus = 1.566\nviscosity = 0.134\n[right]\nkind = \"fixed\"\n"
+          "[load]\ndensity = \"3*exp(-((x-1.25*t)/0.08)^2)\"\n[mesh]\nelements = 120\n[time]\nend = 0.45\n[output]\n"
+          "every = 0.45\n[method]\nname = \"exponential\"\n",
+          "")
+          .run;
   std::vector<std::vector<double>> found;
   for (const bool in_pieces : {false, true}) {
     if (in_pieces)
-      load.breaks = [](double after, double until) {
-        const double next = (std::floor(after / 1.6e-4 + 1e-6) + 1.0) * 1.6e-4;
+      std::get<GeneralLoad>(*run.scene.load).breaks = [piece = 2.687 / 16384](double after, double until) {
+        const double next = (std::floor(after / piece + 1e-6) + 1.0) * piece;
         return next < until ? std::optional(next) : std::nullopt;
       };
-    scene.load = load;
-    found.push_back(record(BarSystem(scene, Mesh{1.0, 60}, Mass::consistent), {0.0, 0.7}).u.back());
+    found.push_back(viscobar::record(run).u);
   }
   for (std::size_t j = 0; j < found[0].size(); ++j) EXPECT_NEAR(found[1][j], found[0][j], 1e-12) << j;
 }
