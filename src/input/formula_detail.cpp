@@ -52,20 +52,47 @@ std::optional<double> FormulaDetail::operator()(double after, double until) {
 }
 
 void FormulaDetail::find() {
+  constexpr int levels = 4;
   places_.clear();
   rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * until_;
-  const double largest = this->largest();
-  if (largest == 0.0) return;
-  allowed_ = far_from_linear * largest;
-  search(coarse);
-  // Beside what goes on all the time a pulse is far shorter.
-  if (!along_x_ && quiet_ < pulses * until_) search(coarse / 8.0);
-  if (!along_x_ && covered_ > pulses * until_) places_.clear();
+  Stretches rest{{0.0, until_}};
+  for (int level = 0; level < (along_x_ ? 1 : levels); ++level) {
+    const double largest = this->largest(rest);
+    if (largest == 0.0) break;
+    allowed_ = far_from_linear * largest;
+    search(rest, coarse);
+    // Beside what goes on all the time a pulse is far shorter.
+    if (!along_x_ && quiet_ < pulses * until_) search(rest, coarse / 8.0);
+    if (found_.empty() || (!along_x_ && covered_ > pulses * until_)) break;
+    for (const Stretch& one : found_) {
+      // The flank of a larger pulse is none of its own.
+      const bool flank = std::ranges::any_of(rest, [&](const Stretch& of) {
+        return (of.begin > 0.0 && of.begin == one.begin) || (of.end < until_ && of.end == one.end);
+      });
+      if (!flank) places_.insert(places_.end(), one.places.begin(), one.places.end());
+    }
+    rest = without(rest, found_);
+  }
+  std::ranges::sort(places_);
+}
+
+FormulaDetail::Stretches FormulaDetail::without(const Stretches& all, const Stretches& some) {
+  Stretches rest;
+  for (const Stretch& one : all) {
+    double begin = one.begin;
+    for (const Stretch& other : some) {
+      if (other.begin < one.begin || other.end > one.end) continue;
+      if (other.begin > begin) rest.push_back({begin, other.begin});
+      begin = other.end;
+    }
+    if (one.end > begin) rest.push_back({begin, one.end});
+  }
+  return rest;
 }
 
 // A bound of |f| that is at most twice a value of it: where bounds are greatest they are halved. Where that does not
 // come to an end, the greatest value that was met. Beside a pole nothing counts: 0.
-double FormulaDetail::largest() {
+double FormulaDetail::largest(const Stretches& rest) {
   other_.value = whole_;
   constexpr int parts = 64, most = 4000;
   const auto size = [](Interval of) { return std::max(of.high, -of.low); };
@@ -77,7 +104,12 @@ double FormulaDetail::largest() {
       met = std::max(met, value);
     bounds.emplace(size(tree_->of_nodes(jets_.data())[tree_->root].value), begin, end);
   };
-  for (int i = 0; i < parts; ++i) add(until_ * i / parts, until_ * (i + 1) / parts);
+  for (const auto& [begin, end, of] : rest) {
+    const int count = static_cast<int>(std::ceil(parts * (end - begin) / until_));
+    for (int i = 0; i < count; ++i)
+      add(begin + (end - begin) * i / count, i + 1 == count ? end : begin + (end - begin) * (i + 1) / count);
+  }
+  if (bounds.empty()) return 0.0;
   for (int i = 0; i < most && std::get<0>(bounds.top()) > 2.0 * met; ++i) {
     const auto [most_there, begin, end] = bounds.top();
     bounds.pop();
@@ -89,17 +121,19 @@ double FormulaDetail::largest() {
   return std::isfinite(most_of_all) ? std::min(most_of_all, 2.0 * met) : 0.0;
 }
 
-void FormulaDetail::search(double share) {
-  places_.clear();
+void FormulaDetail::search(const Stretches& rest, double share) {
+  found_.clear();
   effort_ = 0;
-  covered_ = quiet_ = 0.0;
+  covered_ = 0.0, quiet_ = until_;
   coarse_ = share * until_;
   // Breaks may have a limit, as those of sin(1/x) > 0.
   std::size_t stretches = 0;
-  for (double begin = 0.0, end = 0.0; begin < until_ && ++stretches < most_stretches; begin = end) {
-    end = switches_.first(0.0, begin + rounding_, until_).value_or(until_);
-    divide(begin, end, {whole_});
-  }
+  for (const Stretch& one : rest) quiet_ -= one.end - one.begin;
+  for (const Stretch& one : rest)
+    for (double begin = one.begin, end = begin; begin < one.end && ++stretches < most_stretches; begin = end) {
+      end = switches_.first(0.0, begin + rounding_, one.end).value_or(one.end);
+      divide(begin, end, {whole_});
+    }
 }
 
 // Bounds there, for those values of the other variable.
@@ -146,11 +180,12 @@ void FormulaDetail::divide(double begin, double end, std::vector<Interval> other
   const bool steady = !along_x_ && slowest > fastest / 4.0;
   if (size < coarse_) {
     covered_ += size;
-    if (places_.empty() || places_.back() < begin)
-      places_.push_back(begin);
+    if (found_.empty() || found_.back().end < begin)
+      found_.push_back({begin, end, {begin}});
     else if (steady && steady_)
-      places_.pop_back();
-    places_.push_back(end);
+      found_.back().places.pop_back();
+    found_.back().places.push_back(end);
+    found_.back().end = end;
   }
   steady_ = steady;
 }

@@ -176,7 +176,8 @@ class FormulaSwitches {
 class FormulaDetail {
  public:
   /// In t only pulses count, which fill less than half of the interval, and beside what does not rest for half of it
-  /// only those of a 1024th: what goes on all the time no step misses. `other` is what the other variable is.
+  /// only those of a 1024th: what goes on all the time no step misses. Beside pulses those are looked for that are
+  /// smaller. `other` is what the other variable is.
   FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along_x, Interval other);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.
@@ -185,8 +186,14 @@ class FormulaDetail {
  private:
   void bound(const Jet& s);
   void find();
-  double largest();
-  void search(double share);
+  struct Stretch {
+    double begin, end;
+    std::vector<double> places{};
+  };
+  using Stretches = std::vector<Stretch>;
+  static Stretches without(const Stretches& all, const Stretches& some);
+  double largest(const Stretches& rest);
+  void search(const Stretches& rest, double share);
   Jet over(const Jet& s, Interval other);
   void divide(double begin, double end, std::vector<Interval> others);
 
@@ -194,6 +201,7 @@ class FormulaDetail {
   FormulaSwitches switches_;
   std::vector<Jet> jets_, middle_;
   std::vector<double> places_;
+  Stretches found_;  // by a search
   bool along_x_;
   const Interval whole_;  // of the other variable
   Jet other_;
