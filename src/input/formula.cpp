@@ -149,8 +149,6 @@ NextBreakAt Formula::breaks_in_x_at() const { return series_ ? NextBreakAt() : t
 NextBreak Formula::breaks_and_pulses(double length) const {
   if (!uses('t')) return {};
   if (series_) return breaks_of_series(false);
-  // A jump or kink that travels is at each time somewhere in x: of all x at once no pulse can be told from it.
-  if (breaks_at()) return breaks();
   FormulaDetail pulses(tree_, false, {0.0, uses('x') ? length : 0.0});
   const NextBreak breaks = this->breaks();
   return breaks ? either_of(breaks, pulses) : pulses;

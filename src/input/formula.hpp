@@ -57,8 +57,7 @@ class Formula {
   /// Where it is not a smooth function of t, for all x at once, and what depends on x, too (see FormulaSwitches); empty
   /// functions where there is nothing of the kind.
   NextBreak breaks() const;
-  /// The same, and, unless breaks travel, the pulses of t for x in [0, length], see FormulaDetail: no step may pass
-  /// them by.
+  /// The same, and the pulses of t for x in [0, length], see FormulaDetail: no step may pass them by.
   NextBreak breaks_and_pulses(double length) const;
   NextBreakAt breaks_at() const;
   /// Where it is not a smooth function of x, at a time; an empty function where there is nothing of the kind.

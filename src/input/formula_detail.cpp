@@ -20,11 +20,18 @@ constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 FormulaDetail::FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along_x, Interval other)
     : tree_(std::move(tree)),
       switches_(tree_, along_x ? FormulaSwitches::Of::along_x : FormulaSwitches::Of::of_all_x),
+      travelling_(tree_, FormulaSwitches::Of::at_x),
       jets_(tree_->size()),
       middle_(jets_),
       along_x_(along_x),
       whole_(other),
-      other_{other, {0.0, 0.0}} {}
+      other_{other, {0.0, 0.0}} {
+  constexpr int some = 8;
+  if (along_x || travelling_.empty())
+    others_ = {other};
+  else
+    for (int k = 0; k <= some; ++k) others_.emplace_back(other.low + (other.high - other.low) * k / some);
+}
 
 // Each part of the formula by its mean value form as well: what it is in the middle, and its slope times the way from
 // there. So (t - 1)*(t - 1) is bounded like (t - 1)^2.
@@ -132,7 +139,9 @@ void FormulaDetail::search(const Stretches& rest, double share) {
   for (const Stretch& one : rest)
     for (double begin = one.begin, end = begin; begin < one.end && ++stretches < most_stretches; begin = end) {
       end = switches_.first(0.0, begin + rounding_, one.end).value_or(one.end);
-      divide(begin, end, {whole_});
+      for (std::size_t k = 0; k < others_.size() && others_.size() > 1; ++k)
+        end = travelling_.first(others_[k].low, begin + rounding_, end).value_or(end);
+      divide(begin, end, others_);
     }
 }
 

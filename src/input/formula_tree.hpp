@@ -177,7 +177,8 @@ class FormulaDetail {
  public:
   /// In t only pulses count, which fill less than half of the interval, and beside what does not rest for half of it
   /// only those of a 1024th: what goes on all the time no step misses. Beside pulses those are looked for that are
-  /// smaller. `other` is what the other variable is.
+  /// smaller. `other` is what the other variable is. Where breaks travel, they are at some x all the time, and some x
+  /// of `other` are looked at.
   FormulaDetail(std::shared_ptr<const FormulaTree> tree, bool along_x, Interval other);
 
   /// The first such place in (after, until), of those between 0 and until; absent: none.
@@ -198,12 +199,13 @@ class FormulaDetail {
   void divide(double begin, double end, std::vector<Interval> others);
 
   std::shared_ptr<const FormulaTree> tree_;
-  FormulaSwitches switches_;
+  FormulaSwitches switches_, travelling_;
   std::vector<Jet> jets_, middle_;
   std::vector<double> places_;
   Stretches found_;  // by a search
   bool along_x_;
   const Interval whole_;  // of the other variable
+  std::vector<Interval> others_;
   Jet other_;
   double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
   std::size_t effort_ = 0;
