@@ -71,16 +71,25 @@ void FormulaDetail::find() {
     // Beside what goes on all the time a pulse is far shorter.
     if (!along_x_ && quiet_ < pulses * until_) search(rest, coarse / 8.0);
     if (found_.empty() || (!along_x_ && covered_ > pulses * until_)) break;
-    for (const Stretch& one : found_) {
-      // The flank of a larger pulse is none of its own.
-      const bool flank = std::ranges::any_of(rest, [&](const Stretch& of) {
-        return (of.begin > 0.0 && of.begin == one.begin) || (of.end < until_ && of.end == one.end);
-      });
-      if (!flank) places_.insert(places_.end(), one.places.begin(), one.places.end());
-    }
+    for (const Stretch& one : found_)
+      if (!is_flank(one, rest)) places_.insert(places_.end(), one.places.begin(), one.places.end());
     rest = without(rest, found_);
   }
   std::ranges::sort(places_);
+}
+
+// True if it goes on from a larger pulse, and is largest there.
+bool FormulaDetail::is_flank(const Stretch& one, const Stretches& rest) {
+  const auto size_at = [&](double s) {
+    const Interval of = over({Interval(s), Interval(1.0)}, whole_).value;
+    return std::max(of.high, -of.low);
+  };
+  double beside = -1.0;
+  for (const Stretch& of : rest) {
+    if (of.begin > 0.0 && of.begin == one.begin) beside = std::max(beside, size_at(one.begin));
+    if (of.end < until_ && of.end == one.end) beside = std::max(beside, size_at(one.end));
+  }
+  return beside >= 0.0 && std::ranges::all_of(one.places, [&](double s) { return size_at(s) <= beside; });
 }
 
 FormulaDetail::Stretches FormulaDetail::without(const Stretches& all, const Stretches& some) {

@@ -194,6 +194,7 @@ class FormulaDetail {
   using Stretches = std::vector<Stretch>;
   static Stretches without(const Stretches& all, const Stretches& some);
   double largest(const Stretches& rest);
+  bool is_flank(const Stretch& one, const Stretches& rest);
   void search(const Stretches& rest, double share);
   Jet over(const Jet& s, Interval other);
   void divide(double begin, double end, std::vector<Interval> others);
