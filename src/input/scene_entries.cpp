@@ -8,6 +8,7 @@
 
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
+#include "input/scene_chain.hpp"
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/unit_names.hpp"
@@ -80,58 +81,6 @@ std::vector<TomlNode> flat(const std::vector<TomlNode>& entries, const std::stri
     }
   }
   return all;
-}
-
-bool is_list_of_tables(const TomlNode& node) {
-  return node.kind == TomlNode::Kind::array && !node.inside.empty() &&
-         std::ranges::all_of(node.inside, [](const TomlNode& one) { return one.kind == TomlNode::Kind::table; });
-}
-
-// The table for what a bar in line has of its own, where there is one bar alone.
-std::string_view table_of_own(std::string_view leaf) {
-  if (leaf == "elements" || leaf == "nodes" || leaf == "grading") return "mesh";
-  return leaf == "displacement" || leaf == "velocity" ? "initial" : "";
-}
-
-// Moves it there, where it counts before what the scene says of all bars.
-void give_to_scene(TomlNode& root, std::size_t bar) {
-  const std::vector<TomlNode> all = std::exchange(root.inside[bar].inside, {});
-  for (const TomlNode& entry : all) {
-    const std::string_view table = table_of_own(entry.key);
-    if (table.empty()) {
-      root.inside[bar].inside.push_back(entry);
-      continue;
-    }
-    auto to = std::ranges::find(root.inside, table, &TomlNode::key);
-    if (to == root.inside.end()) {
-      root.inside.push_back(
-          {std::string(table), TomlNode::Kind::table, root.inside[bar].value, {}, entry.key_at, entry.key_at});
-      to = root.inside.end() - 1;
-    }
-    std::erase_if(to->inside, [&](const TomlNode& one) { return one.key == entry.key; });
-    to->inside.push_back(entry);
-  }
-}
-
-// Tables [[bar]] and [[joint]] by their numbers, bar.1, bar.2; one [[bar]] alone is a [bar].
-void number_members(TomlNode& root) {
-  std::vector<TomlNode> all;
-  std::optional<std::size_t> only;
-  for (TomlNode& node : root.inside) {
-    if (!(node.key == "bar" || node.key == "joint") || !is_list_of_tables(node)) {
-      all.push_back(std::move(node));
-      continue;
-    }
-    const bool alone = node.key == "bar" && node.inside.size() == 1;
-    if (alone) only = all.size();
-    for (std::size_t k = 0; k < node.inside.size(); ++k) {
-      TomlNode& member = node.inside[k];
-      member.key = alone ? "bar" : fmt::format("{}.{}", node.key, k + 1);
-      all.push_back(std::move(member));
-    }
-  }
-  root.inside = std::move(all);
-  if (only) give_to_scene(root, *only);
 }
 
 }  // namespace
