@@ -14,7 +14,7 @@ namespace viscobar {
 /// A place of the bar where its motion is read: u, v, strain u_x and stress E u_x + eta v_x.
 class Gauge {
  public:
-  /// On a chain by the nodes of its own bar, at a joint of the left one.
+  /// By the nodes of its own bar, at a joint of the left one; on one side of a break of the section.
   Gauge(const Mesh& mesh, const Scene& scene, double x);
   Gauge(const Mesh& mesh, const Bar& bar, double x);
 
