@@ -2,13 +2,36 @@
 
 #include <fmt/format.h>
 
-#include "dynamics/pieces.hpp"
+#include <numeric>
 
 namespace viscobar {
 
 namespace {
 
-Interpolant within(const Mesh& mesh, std::size_t first, std::size_t last, double x) {
+// The element around x, its right node included.
+std::size_t element_of(const Mesh& mesh, double x) {
+  std::size_t first = 0, end = mesh.elements;
+  while (end - first > 1) {
+    const std::size_t middle = std::midpoint(first, end);
+    (mesh.node(middle) < x ? first : end) = middle;
+  }
+  return first;
+}
+
+Interpolant within(const Mesh& mesh, const VaryingSection* section, double x) {
+  const double close = 1e-9 * mesh.length;
+  const auto breaks = [&](double after, double until) {
+    return section != nullptr && section->next_break(after, until) < until;
+  };
+  const std::size_t element = element_of(mesh, x - close);
+  if (breaks(mesh.node(element) + close, mesh.node(element + 1) - close)) {
+    const double to = section->along(element, x), slope = 1.0 / (section->stretch(element) * section->area(x));
+    return {.begin = element, .count = 2, .weights = {1.0 - to, to}, .slopes = {-slope, slope}};
+  }
+  std::size_t first = element, last = element + 1;  // as many as six around x may be of
+  while (first > 0 && element - first < 5 && !breaks(mesh.node(first - 1) + close, mesh.node(first) + close)) --first;
+  while (last < mesh.elements && last - element < 6 && !breaks(mesh.node(last) - close, mesh.node(last + 1) - close))
+    ++last;
   std::vector<double> nodes;
   for (std::size_t j = first; j <= last; ++j) nodes.push_back(mesh.node(j));
   Interpolant at = interpolant(nodes, x);
@@ -16,37 +39,23 @@ Interpolant within(const Mesh& mesh, std::size_t first, std::size_t last, double
   return at;
 }
 
-// Where A jumps or has a kink, u_x or u_xx jumps: a polynomial is of the nodes on one side, to the left of the place
-// itself. An element that is cut by such a place has its P1 functions.
-Interpolant within(const Piece& piece, double x) {
-  const Mesh& mesh = piece.mesh;
-  if (!piece.section) return within(mesh, 0, mesh.elements, x);
-  const double close = 1e-9 * mesh.length;
-  const auto breaks = [&](double after, double until) { return piece.section->next_break(after, until) < until; };
-  std::size_t first = 0;
-  while (first + 1 < mesh.elements && mesh.node(first + 1) < x - close) ++first;
-  std::size_t last = first + 1;
-  if (breaks(mesh.node(first) + close, mesh.node(last) - close)) {
-    const double to = piece.section->along(first, x),
-                 slope = 1.0 / (piece.section->stretch(first) * piece.section->area(x));
-    return {.begin = first, .count = 2, .weights = {1.0 - to, to}, .slopes = {-slope, slope}};
-  }
-  while (first > 0 && !breaks(mesh.node(first - 1) + close, mesh.node(first) + close)) --first;
-  while (last < mesh.elements && !breaks(mesh.node(last) - close, mesh.node(last + 1) - close)) ++last;
-  return within(mesh, first, last, x);
-}
-
 }  // namespace
 
+Interpolant interpolant_of(const Piece& piece, double x) {
+  Interpolant at;
+  if (!piece.rigid()) at = within(piece.mesh, piece.section.get(), x);
+  at.begin += piece.first;
+  return at;
+}
+
 Gauge::Gauge(const Mesh& mesh, const Bar& bar, double x)
-    : at_(within(mesh, 0, mesh.elements, x)), x_(x), modulus_(bar.modulus), viscosity_(bar.viscosity) {}
+    : at_(within(mesh, nullptr, x)), x_(x), modulus_(bar.modulus), viscosity_(bar.viscosity) {}
 
 Gauge::Gauge(const Mesh& mesh, const Scene& scene, double x) : x_(x) {
   const double rounding = 1e-12 * mesh.length;  // of a sum of lengths
   for (const Piece& piece : pieces_of(scene, mesh)) {
     if (piece.rigid() || (piece.begin > 0.0 && x <= piece.begin + rounding)) continue;
-    at_ = within(piece, x - piece.begin);
-    at_.begin += piece.first;
+    at_ = interpolant_of(piece, x - piece.begin);
     modulus_ = piece.bar.modulus, viscosity_ = piece.bar.viscosity;
   }
 }
