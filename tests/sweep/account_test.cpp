@@ -258,5 +258,19 @@ TEST(Account, TheRangeOfAnEndIsThatOfItsWholePath) {
   }
 }
 
+// The right end strikes within the step in which the left one turns round.
+TEST(Account, TheRangeOfAnEndCountsAStepThatTheOtherEndCuts) {
+  Case run = parse_scene(
+                 "[bar]\nlength = 1.0\nviscosity = 0.3\n[left]\nkind = \"free\"\nstiffness = 3.0\n[right]\nkind = "
+                 "\"obstacle\"\ngap = 0.08\n[initial]\nvelocity = \"2.1*x-1.5\"\n[time]\nend = 1.5\n[mesh]\nelements = "
+                 "10\n[method]\nname = \"rigid\"\nrelative_tolerance = 1e-6\n[output]\nevery = 0.002\n",
+                 "")
+                 .run;
+  const Recording done = record(run);
+  double lowest = 0.0;
+  for (std::size_t k = 0; k < done.times.size(); ++k) lowest = std::min(lowest, done.displacement(k).front());
+  EXPECT_NEAR(done.statistics.account->left.lowest, lowest, 1e-5);
+}
+
 }  // namespace
 }  // namespace viscobar
