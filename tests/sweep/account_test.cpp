@@ -258,6 +258,24 @@ TEST(Account, TheRangeOfAnEndIsThatOfItsWholePath) {
   }
 }
 
+// By rigid the node strikes and is back before a wave has crossed its element: one contact, of which the first blow is
+// a part. By (2.8) bars that touch at the start have an impulse there.
+TEST(Account, AContactHasTheBlowThatItBeginsWith) {
+  const std::string thrown_bar =
+      "[bar]\nlength = 1.0\n[left]\nkind = \"fixed\"\n[right]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+      "\"-x\"\n[time]\nend = 2.0\n[mesh]\nelements = 8\nmass = \"consistent\"\n[method]\nname = \"rigid\"\n";
+  const std::string pair =
+      "[[bar]]\nlength = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 0.8\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\n"
+      "[time]\nend = 4.0\n[mesh]\nelements = 16\nmass = \"consistent\"\n[method]\nname = \"fully_discrete\"\nstep = 1e-3\n";
+  for (const std::string& text : {thrown_bar, pair}) {
+    const Recording run = record(parse_scene(text, "").run);
+    ASSERT_EQ(run.events.size(), 2U) << text;
+    const RunAccount& account = *run.statistics.account;
+    const double whole = account.joints.empty() ? account.right.impulse : account.joints.front().impulse;
+    EXPECT_NEAR(*run.events[1].impulse - *run.events[0].impulse, whole, 1e-9) << text;
+  }
+}
+
 // The right end strikes within the step in which the left one turns round.
 TEST(Account, TheRangeOfAnEndCountsAStepThatTheOtherEndCuts) {
   Case run = parse_scene(
