@@ -7,6 +7,7 @@
 
 #include "dynamics/impact.hpp"
 #include "dynamics/obstacle_motion.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
@@ -154,9 +155,15 @@ void ContactChanges::strike(double t, std::size_t i, std::optional<double> closi
 
 bool ContactChanges::is_of_scene(double t, std::size_t i, double closing) const {
   const Contact& contact = contacts_[i];
-  const double mass = contact.at_end() ? on_.system.bar().inputs()[contact.where == Where::right].mass : 0.0;
-  return mass > 0.0 || (contacts_[i].joint > 0 && !contacts_[i].of_bar) ||
-         2.0 * contacts_[i].sign * frame_velocity(t, i) > std::abs(closing);
+  const BarSystem& bar = on_.system.bar();
+  const auto has_mass = [&](std::size_t node) {
+    return std::ranges::any_of(bar.elements().pieces(),
+                               [node](const Piece& piece) { return piece.rigid() && piece.first == node; });
+  };
+  const std::size_t node = contact.unknown + bar.unknowns().first_node();
+  return (contact.at_end() && bar.inputs()[contact.where == Where::right].mass > 0.0) ||
+         (has_mass(node) && (contact.joint == 0 || has_mass(node - 1))) ||
+         2.0 * contact.sign * frame_velocity(t, i) > std::abs(closing);
 }
 
 // Energy that the penalty has stored is lost, as work of the obstacle.
