@@ -70,8 +70,8 @@ class Recorded:
         """u and v at any times t, an array or a number, at the nodes, or at the places x: of the shape t.shape + x.shape.
 
         Between output times u is the cubic through u and v at both, and v its derivative: u is wrong by at most
-        max|u_tttt| every^4 / 384, where no contact changes within the interval. Between nodes both are linear. Exact values
-        at times of your own: viscobar.run(..., times=...).
+        max|u_tttt| every^4 / 384, where no contact changes within the interval. Between nodes both are linear, and at a
+        joint those of the bar on its left. Exact values at times of your own: viscobar.run(..., times=...).
         """
         t = np.asarray(t, dtype=float)
         places = self.x if x is None else np.asarray(x, dtype=float)
@@ -90,7 +90,8 @@ class Recorded:
         v = 6 * s * (1 - s) * (u1 - u0) / h + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
         if x is None:
             return u, v
-        j = np.clip(np.searchsorted(self.x, places, side="right") - 1, 0, len(self.x) - 2)
+        elements = np.flatnonzero(np.diff(self.x) > 0)  # without joints, where nodes share a place
+        j = elements[np.clip(np.searchsorted(self.x[elements + 1], places), 0, len(elements) - 1)]
         share = (places - self.x[j]) / (self.x[j + 1] - self.x[j])
         return tuple(part[..., j] * (1 - share) + part[..., j + 1] * share for part in (u, v))  # type: ignore[return-value]
 

@@ -286,6 +286,9 @@ void Junction::turn(std::size_t l, double s, double z, const Scale& scale) {
       clearances_[l] = {0.0, travelled(link)};
       if (const auto held = held_by(l)) places_[held->first] = {held->second, bodies_[held->first].moved.integral()};
       strike(l, z);
+    } else if (std::abs(depth) <= roundings * scale.place) {
+      // Rounded to the other side, the depth of a stiff stop would be a pull that opens it at once.
+      clearances_[l] = {0.0, travelled(link)};
     }
   } else {
     memory.released = link.kind == Kind::stop && depth > roundings * scale.place;

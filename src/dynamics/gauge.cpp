@@ -2,13 +2,36 @@
 
 #include <fmt/format.h>
 
-#include "dynamics/pieces.hpp"
+#include <numeric>
 
 namespace viscobar {
 
 namespace {
 
-Interpolant within(const Mesh& mesh, std::size_t first, std::size_t last, double x) {
+// The element around x, its right node included.
+std::size_t element_of(const Mesh& mesh, double x) {
+  std::size_t first = 0, end = mesh.elements;
+  while (end - first > 1) {
+    const std::size_t middle = std::midpoint(first, end);
+    (mesh.node(middle) < x ? first : end) = middle;
+  }
+  return first;
+}
+
+Interpolant within(const Mesh& mesh, const VaryingSection* section, double x) {
+  const double close = 1e-9 * mesh.length;
+  const auto breaks = [&](double after, double until) {
+    return section != nullptr && section->next_break(after, until) < until;
+  };
+  const std::size_t element = element_of(mesh, x - close);
+  if (breaks(mesh.node(element) + close, mesh.node(element + 1) - close)) {
+    const double to = section->along(element, x), slope = 1.0 / (section->stretch(element) * section->area(x));
+    return {.begin = element, .count = 2, .weights = {1.0 - to, to}, .slopes = {-slope, slope}};
+  }
+  std::size_t first = element, last = element + 1;  // as many as six around x may be of
+  while (first > 0 && element - first < 5 && !breaks(mesh.node(first - 1) + close, mesh.node(first) + close)) --first;
+  while (last < mesh.elements && last - element < 6 && !breaks(mesh.node(last) - close, mesh.node(last + 1) - close))
+    ++last;
   std::vector<double> nodes;
   for (std::size_t j = first; j <= last; ++j) nodes.push_back(mesh.node(j));
   Interpolant at = interpolant(nodes, x);
@@ -18,14 +41,21 @@ Interpolant within(const Mesh& mesh, std::size_t first, std::size_t last, double
 
 }  // namespace
 
-Gauge::Gauge(const Mesh& mesh, const Bar& bar, double x)
-    : at_(within(mesh, 0, mesh.elements, x)), x_(x), modulus_(bar.modulus), viscosity_(bar.viscosity) {}
+Interpolant interpolant_of(const Piece& piece, double x) {
+  Interpolant at;
+  if (!piece.rigid()) at = within(piece.mesh, piece.section.get(), x);
+  at.begin += piece.first;
+  return at;
+}
 
-Gauge::Gauge(const Mesh& mesh, const Scene& scene, double x) : Gauge(mesh, scene.bar, x) {
-  if (scene.chain.empty()) return;
+Gauge::Gauge(const Mesh& mesh, const Bar& bar, double x)
+    : at_(within(mesh, nullptr, x)), x_(x), modulus_(bar.modulus), viscosity_(bar.viscosity) {}
+
+Gauge::Gauge(const Mesh& mesh, const Scene& scene, double x) : x_(x) {
+  const double rounding = 1e-12 * mesh.length;  // of a sum of lengths
   for (const Piece& piece : pieces_of(scene, mesh)) {
-    if (piece.rigid() || (piece.begin > 0.0 && x <= piece.begin)) continue;
-    at_ = within(mesh, piece.first, piece.last(), x);
+    if (piece.rigid() || (piece.begin > 0.0 && x <= piece.begin + rounding)) continue;
+    at_ = interpolant_of(piece, x - piece.begin);
     modulus_ = piece.bar.modulus, viscosity_ = piece.bar.viscosity;
   }
 }

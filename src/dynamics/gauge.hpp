@@ -6,15 +6,21 @@
 #include <vector>
 
 #include "discretisation/interpolant.hpp"
+#include "dynamics/pieces.hpp"
 #include "viscobar/discretisation/mesh.hpp"
 #include "viscobar/scene/scene.hpp"
 
 namespace viscobar {
 
+/// By the nodes of a member of a chain, or of a bar alone, at x from its left end. Where A jumps or has a kink, u_x or
+/// u_xx jumps: the nodes are of one side, at the place itself of the left one, and an element that is cut by such a
+/// place has its P1 functions.
+Interpolant interpolant_of(const Piece& piece, double x);
+
 /// A place of the bar where its motion is read: u, v, strain u_x and stress E u_x + eta v_x.
 class Gauge {
  public:
-  /// On a chain by the nodes of its own bar, at a joint of the left one.
+  /// By the nodes of its own bar, at a joint of the left one; on one side of a break of the section.
   Gauge(const Mesh& mesh, const Scene& scene, double x);
   Gauge(const Mesh& mesh, const Bar& bar, double x);
 

@@ -16,12 +16,14 @@ class Notifier {
   void snapshot(const Snapshot& now) {
     if (observers_.snapshot) timed([&] { observers_.snapshot(now); });
   }
-  /// Counts it, too. `first_node` is the mesh node of unknown 0.
+  /// Counts it, too. `first_node` is the mesh node of unknown 0, `impulse` that of one that began before; absent: so
+  /// far.
   void event(double t, std::size_t first_node, const Contact& contact, Change change, double velocity,
-             const std::vector<ChangeSensitivity>& sensitivities = {}) {
+             const std::vector<ChangeSensitivity>& sensitivities = {}, std::optional<double> impulse = std::nullopt) {
     const std::size_t node = contact.joint > 0 ? contact.joint : contact.unknown + first_node;
     Event event{t, contact.where, node, change, velocity, std::nullopt, sensitivities};
     count_change(statistics_, event);
+    if (impulse) event.impulse = impulse;
     told(event);
   }
   /// One that has been counted.

@@ -86,6 +86,26 @@ TEST(ChainAccounts, ABriefTouchHasThePeakOfItsSpring) {
   }
 }
 
+// Another contact changes beside it, behind which the first steps are shorter than the roundings of their times; the
+// force with which a weak dashpot begins is no measure of what follows.
+TEST(ChainAccounts, AContactKeepsItsPeakWhereAnotherChanges) {
+  const std::string text =
+      "[[bar]]\nlength = 1.0\nvelocity = -{0}\nelements = 7\n[[bar]]\nmass = {2}\nvelocity = -{1}\n[[joint]]\nkind = "
+      "\"contact\"\ngap = {3}\nlaw = \"spring_damper\"\nstiffness = {4}\ndamping = {5}\n[left]\nkind = \"obstacle\"\n"
+      "gap = 0.1\n[time]\nend = 3.0\n[mesh]\nmass = \"consistent\"\n[contact]\nepsilon = {6}\n[method]\nname = \"{7}\"\n"
+      "relative_tolerance = 3e-11\n";
+  const auto peak = [&](bool damped, const char* method) {
+    const std::string scene = damped ? fmt::format(fmt::runtime(text), 1.5, 3.0, 1.7, 0.09, 50.0, 0.001, 0.01, method)
+                                     : fmt::format(fmt::runtime(text), 0.8, 1.6, 1.1, 0.06, 200.0, 0.0, 0.001, method);
+    return record(case_of(scene)).statistics.account->joints.front().peak_reaction;
+  };
+  for (const bool damped : {true, false}) {
+    const double truth = peak(damped, "exponential");
+    for (const char* method : {"cvode", "ida", "arkode", "odeint"})
+      EXPECT_NEAR(peak(damped, method), truth, 1e-5 * truth) << method << damped;
+  }
+}
+
 // Without rebound, zeta = 1, the force begins with its largest value c v, c = 2 (m / epsilon)^(1/2), m that of the
 // bodies or of a body and the node of a bar, 0.8 h / 2. The first steps behind the closing are so short that they tell
 // it by roundings.

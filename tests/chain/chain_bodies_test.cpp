@@ -28,6 +28,25 @@ std::string method_text(const std::string& method, double restitution) {
 
 const std::string far_bar = "[[bar]]\nlength = 1.0\nelements = 4\nviscosity = 0.1\nvelocity = 0.0\n";
 
+// A mass that strikes and is pulled off at once has a contact, whether it is one of the end or a body bonded to it.
+// They begin with velocities of the node beside them that differ by what the mesh leaves.
+TEST(RigidBodies, BondedToABarStrikeAsAMassOfItsEnd) {
+  const std::string bar =
+      "[[bar]]\nlength = 1.0\ndensity = 0.554\nviscosity = 0.0121\nelements = 22\nvelocity = \"-cos(pi*x)\"\n";
+  const std::string rest =
+      "[right]\nkind = \"free\"\nstiffness = 2.0\ndashpot = 0.1\n[load]\nprofile = \"1+x\"\nhistory = \"sin(3*t)\"\n[time]\nend = 0.3\n[method]\nname = \"rigid\"\nrelative_tolerance = "
+      "1e-9\n[left]\nkind = \"obstacle\"\ngap = 0.24654\n";
+  const Recording of_end = run_of(bar + rest + "mass = 0.3\n");
+  const Recording body = run_of("[[bar]]\nmass = 0.3\nvelocity = -1.0\n" + bar + rest);
+  ASSERT_EQ(of_end.events.size(), 2U);
+  ASSERT_EQ(body.events.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(body.events[k].time, of_end.events[k].time, 2e-5) << k;
+    EXPECT_NEAR(*body.events[k].impulse, *of_end.events[k].impulse, 2e-5) << k;
+  }
+  EXPECT_GT(*body.events[1].impulse, 0.3 * 0.8);  // the mass alone
+}
+
 // A ram of mass 2 and speed 1 leaves the wall with speed e: impulse 2 (1 + e), energy lost 1 - e^2. A penalty of 1e-6
 // is passed in pi (2e-6)^(1/2) = 4.5e-3.
 TEST(RigidBodies, ARamLeavesAWallWithItsRestitution) {

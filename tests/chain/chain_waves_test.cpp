@@ -227,6 +227,23 @@ TEST(ChainWaves, ASpringToTheGroundAndASoftStop) {
 }
 
 // tan^2 (w t) = Z1 / Z2 for two bars of transit time t, fixed at the first: the standing wave comes back as it was.
+// How far away the stop is changes nothing but roundings of its depth, on whichever side of 0.
+TEST(ChainWaves, AStopClosesWhateverItsClearanceIsRoundedTo) {
+  for (int n = 0; n < 60; ++n) {
+    const double gap = 0.3 + 0.029 * n;
+    const Followed run = followed(fmt::format(
+        "[bar]\nlength = 1.0\n[initial]\nvelocity = 0.9\n[right]\nkind = \"obstacle\"\nside = \"above\"\ngap = {}\n"
+        "contact = {{ law = \"spring_damper\", stiffness = 400.0 }}\n[time]\nend = {}\n[mesh]\nelements = 4\n",
+        gap, gap / 0.9 + 2.5));
+    EXPECT_TRUE(run.statistics.completed) << gap;
+    ASSERT_EQ(run.events.size(), 2U) << gap;
+    EXPECT_NEAR(run.events[0].time, gap / 0.9, 10.0 * rounding) << gap;
+    // N / 0.9 is 1 - exp(-k t), and behind a passage to and fro -1 + exp(-k x) (2 - exp(-2 k) + 2 k x), x = t - 2.
+    const double x = run.events[1].time - run.events[0].time - 2.0;
+    EXPECT_NEAR(std::exp(-400.0 * x) * (2.0 + 800.0 * x), 1.0, 1e-9) << gap;
+  }
+}
+
 TEST(ChainWaves, SteppedBarsSwingAtTheirFrequency) {
   for (const double ratio : {0.5, 2.0, 4.0}) {
     const double w = std::atan(1.0 / std::sqrt(ratio)), period = 2.0 * std::numbers::pi / w;

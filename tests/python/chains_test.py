@@ -66,6 +66,13 @@ class KeysTest(Test):
         formula, sampled = (viscobar.run(chain(), set={"bar.1.velocity": value}) for value in ("1+x", (x, 1 + x)))
         self.assertLess(np.abs(formula.u - sampled.u).max(), 1e-6)
 
+    def test_of_chains_have_values_between_nodes_at_joints_too(self):
+        bodies = [{"mass": 1.0, "velocity": 0.5}, *chain()["bar"], {"mass": 0.5, "velocity": -0.1}]
+        result = viscobar.run(chain(bar=bodies, joint=[{"kind": "contact", "gap": 0.05}] * 3))
+        k, (joint,) = len(result.t) // 2, np.flatnonzero(result.x == 1.0)[:1]
+        ends = [result.u[k, 1], result.u[k, joint], result.u[k, -2]]
+        self.assertTrue(np.array_equal(result.at(result.t[k], [0.0, 1.0, 1.5])[0], ends))
+
     def test_of_a_table_are_laid_over_it(self):
         scene = viscobar.Scene(thrown())
         other = scene.changed({"bar": {"viscosity": 0.2}, "left": {"contact": {"law": "hertz"}}})

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "discretisation/varying_section.hpp"
+#include "dynamics/gauge.hpp"
 #include "support/dense_matrix.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
@@ -326,6 +327,27 @@ TEST(SectionContact, OpensWhenItDoesWhateverTheUnitOfArea) {
           EXPECT_NEAR(other[k].time, unit[k].time, tolerance) << area << joint << tolerance;
       }
     }
+}
+
+// A force that is the same along the bar strains it by 1 / A: u = s(x).
+TEST(SectionGauges, BesideABreakOfTheSectionAreOfOneSide) {
+  for (const char* elements : {"20", "7", "3"}) {
+    const Case run =
+        parse_scene(fmt::format("[bar]\nlength = 1.0\nsection = \"x < 0.5 ? 1 : 2\"\n[left]\nkind = \"free\"\n"
+                                "force = 1.0\n[time]\nend = 1.0\n[mesh]\nelements = {}\n",
+                                elements),
+                    "")
+            .run;
+    const Mesh mesh = resolve(run).mesh;
+    const auto s = [](double x) { return x < 0.5 ? x : 0.5 + 0.5 * (x - 0.5); };
+    std::vector<double> u;
+    for (std::size_t j = 0; j < mesh.nodes(); ++j) u.push_back(s(mesh.node(j)));
+    for (const double x : {0.0, 0.42, 0.47, 0.499, 0.501, 0.53, 0.58, 1.0}) {
+      const Gauge::Reading at = Gauge(mesh, run.scene, x)(u, u);
+      EXPECT_NEAR(at.u, s(x), 1e-14) << elements << " elements, x = " << x;
+      EXPECT_NEAR(at.strain, x < 0.5 ? 1.0 : 0.5, 1e-12) << elements << " elements, x = " << x;
+    }
+  }
 }
 
 // The transformed bar on as many elements differs by O(h^4), to 50 h^4 with derivatives of these data.

@@ -258,5 +258,37 @@ TEST(Account, TheRangeOfAnEndIsThatOfItsWholePath) {
   }
 }
 
+// By rigid the node strikes and is back before a wave has crossed its element: one contact, of which the first blow is
+// a part. By (2.8) bars that touch at the start have an impulse there.
+TEST(Account, AContactHasTheBlowThatItBeginsWith) {
+  const std::string thrown_bar =
+      "[bar]\nlength = 1.0\n[left]\nkind = \"fixed\"\n[right]\nkind = \"obstacle\"\ngap = 0.1\n[initial]\nvelocity = "
+      "\"-x\"\n[time]\nend = 2.0\n[mesh]\nelements = 8\nmass = \"consistent\"\n[method]\nname = \"rigid\"\n";
+  const std::string pair =
+      "[[bar]]\nlength = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 0.8\nvelocity = 0.0\n[[joint]]\nkind = \"contact\"\n"
+      "[time]\nend = 4.0\n[mesh]\nelements = 16\nmass = \"consistent\"\n[method]\nname = \"fully_discrete\"\nstep = 1e-3\n";
+  for (const std::string& text : {thrown_bar, pair}) {
+    const Recording run = record(parse_scene(text, "").run);
+    ASSERT_EQ(run.events.size(), 2U) << text;
+    const RunAccount& account = *run.statistics.account;
+    const double whole = account.joints.empty() ? account.right.impulse : account.joints.front().impulse;
+    EXPECT_NEAR(*run.events[1].impulse - *run.events[0].impulse, whole, 1e-9) << text;
+  }
+}
+
+// The right end strikes within the step in which the left one turns round.
+TEST(Account, TheRangeOfAnEndCountsAStepThatTheOtherEndCuts) {
+  Case run = parse_scene(
+                 "[bar]\nlength = 1.0\nviscosity = 0.3\n[left]\nkind = \"free\"\nstiffness = 3.0\n[right]\nkind = "
+                 "\"obstacle\"\ngap = 0.08\n[initial]\nvelocity = \"2.1*x-1.5\"\n[time]\nend = 1.5\n[mesh]\nelements = "
+                 "10\n[method]\nname = \"rigid\"\nrelative_tolerance = 1e-6\n[output]\nevery = 0.002\n",
+                 "")
+                 .run;
+  const Recording done = record(run);
+  double lowest = 0.0;
+  for (std::size_t k = 0; k < done.times.size(); ++k) lowest = std::min(lowest, done.displacement(k).front());
+  EXPECT_NEAR(done.statistics.account->left.lowest, lowest, 1e-5);
+}
+
 }  // namespace
 }  // namespace viscobar

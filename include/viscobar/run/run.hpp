@@ -79,8 +79,8 @@ struct Event {
   /// u_t of the node: towards the obstacle when it closes, the impact velocity; at a joint that of its right side
   /// against its left one
   double velocity = 0.0;
-  /// int R dt of the end's reaction from the start to here; absent under a span obstacle, and where nobody asked for
-  /// the account of the run.
+  /// int R dt of the end's reaction from the start to here, at a closing without its blow; absent under a span
+  /// obstacle, and where nobody asked for the account of the run.
   std::optional<double> impulse = std::nullopt;
   std::vector<ChangeSensitivity> sensitivities = {};  ///< an entry for each direction that was asked for
   /// Peak of the contact, at an opening that ends the contact of its end or joint, or that of all nodes under a span

@@ -162,7 +162,7 @@ void ContactWatch::select_rates(std::vector<std::size_t>& positions) const {
 
 void ContactWatch::look_at(double from, double to, std::size_t order, std::span<const PointValues> y,
                            std::span<const PointValues> rates) {
-  length_ = to - from, seen_ = to, order_ = order;
+  length_ = to - from, end_ = to, order_ = order;
   const std::size_t* position = positions_.data();
   for (End& end : ends_) {
     end.shut = closed(end);
@@ -203,11 +203,12 @@ void ContactWatch::strike(std::size_t i, double impulse, std::span<const double>
 
 void ContactWatch::add() {
   if (!(length_ > 0.0)) return;
-  span_.add(seen_, length_, order_);
-  if (!forms_.empty()) add_joints(seen_ - length_, seen_, order_, form_points_);
+  seen_ = end_;
+  span_.add(end_, length_, order_);
+  if (!forms_.empty()) add_joints(end_ - length_, end_, order_, form_points_);
   for (End& end : ends_) {
     if (extremes_.ranges) add_range(end);
-    if (end.shut && extremes_.peaks) raise_peak(*end.account, used(end.force), seen_, length_);
+    if (end.shut && extremes_.peaks) raise_peak(*end.account, used(end.force), end_, length_);
     if (!end.shut || (apart_ && springs_)) continue;
     end.account->impulse += end.stored_now - end.stored + length_ * Bernstein::mean(used(end.rate));
     end.stored = end.stored_now;
@@ -341,7 +342,7 @@ inline void ContactWatch::look_at(End& end, const std::size_t* first, double fro
   const bool moves = extremes_.ranges && (end.follows || end.entries.empty() || bar_.frame().moving());
   for (std::size_t j = 0; extremes_.ranges && !moves && j < end.u.size(); ++j) end.u[j] = y[first[0]][j] + end.origin;
   for (std::size_t j = moves || rates || forces ? 0 : order_; j <= order_; ++j) {
-    const double t = point_of(from, seen_, order_, j);
+    const double t = point_of(from, end_, order_, j);
     std::array<double, 6> values{};
     for (std::size_t e = 0; e < entries; ++e) values[e] = y[first[e]][j];
     if (moves) end.u[j] = displacement(end, t, std::span(values).first(entries));
@@ -365,7 +366,7 @@ inline bool ContactWatch::take_holding_force(End& end, const std::size_t* first,
   const PointValues &u = y[first[1]], &w = y[first[3]];
   for (std::size_t j = 0; j < u.size(); ++j) end.force[j] = -(by_u * u[j] + by_w * w[j] + rest);
   for (std::size_t j = 0; load_.acts() && j <= order_; ++j)
-    end.force[j] -= share * load_.alone(end.unknown, point_of(from, seen_, order_, j));
+    end.force[j] -= share * load_.alone(end.unknown, point_of(from, end_, order_, j));
   return true;
 }
 

@@ -241,7 +241,8 @@ class ContactWatch {
   std::vector<LinearForm> forms_;
   std::vector<PointValues> form_points_;
   std::vector<PointValues> points_, rate_points_;  // of these
-  double length_ = 0.0, seen_ = 0.0;               // of the step looked at, and its end
+  double length_ = 0.0, end_ = 0.0;                // of the step looked at, which a contact change may cut
+  double seen_ = 0.0;                              // up to where ends are accounted for
   std::size_t order_ = 0;
 };
 

@@ -42,7 +42,6 @@ void JointForces::begin(std::span<const double> u, std::span<const double> w) {
 }
 
 void JointForces::take_first_forces(double t, std::span<const double> u, std::span<const double> w) {
-  first_forces_ = true;
   for (Joint& joint : joints_) {
     ContactAccount& account = *joint.account;
     if (!contacts_.closed(joint.contact) || !has_dashpot(joint) || account.latest.reaction != 0.0) continue;
@@ -142,17 +141,15 @@ void JointForces::add(Joint& joint, double to, double length, std::size_t order,
   if (!peaks) return;
   double rounding = 0.0;
   if (!contact.by_law) {
-    // The first steps behind a change are so short that the rounding of the momentum shows in its rate: some roundings,
-    // since a method adds its correction to what it predicts.
-    rounding = 8.0 * std::numeric_limits<double>::epsilon() * joint.momentum * Bernstein::steepest(order) / length;
+    // The first steps behind a change are so short that roundings show in the rate of the momentum: some of the
+    // momentum, since a method adds its correction to what it predicts, and those of the times of its values.
     const PointValues inertia = Bernstein::slopes(used(momentum));
+    const double late = std::numeric_limits<double>::epsilon() * std::abs(to) / length;
+    rounding = Bernstein::steepest(order) / length *
+               (8.0 * std::numeric_limits<double>::epsilon() * joint.momentum + late * all(inertia).abs().maxCoeff());
     all(force) += all(inertia) / length;
   }
   all(force) *= joint.direction;
-  // The force of its law at the closing is the largest of a dashpot's, and known. Steps beside it are up to twenty
-  // times less sure than that rounding says: their polynomials go through points that lie closer than the step is long.
-  const double known = std::abs(joint.account->latest.reaction);
-  if (first_forces_ && has_dashpot(joint) && known > 0.0 && rounding > 1e-7 * known) return;
   raise_peak(*joint.account, used(force), to, length, contact.joint == 0, rounding);
 }
 

@@ -70,8 +70,7 @@ class JointForces {
   const ActingLoad& load_;
   std::vector<Joint> joints_;
   std::span<const double> origin_;
-  PointValues history_{};      // of the load
-  bool first_forces_ = false;  // they are taken
+  PointValues history_{};  // of the load
 };
 
 }  // namespace viscobar

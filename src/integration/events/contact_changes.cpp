@@ -221,10 +221,14 @@ bool ContactChanges::goes_on(double t, std::size_t i) const {
 }
 
 void ContactChanges::withhold_closing(double t, std::size_t i, double velocity) {
-  if (goes_on(t, i))
+  if (goes_on(t, i)) {
     withheld_->last = t;
-  else
-    withheld_ = {i, t, t, velocity + frame_velocity(t, i), sensitivities_at(t, i)};
+    return;
+  }
+  withheld_ = {i, t, t, velocity + frame_velocity(t, i), sensitivities_at(t, i), std::nullopt};
+  const Contact& contact = contacts_[i];
+  if (statistics_.account)
+    withheld_->impulse = statistics_.account->of({.where = contact.where, .node = contact.joint}).impulse;
 }
 
 // A contact begins with the first of the strikes that are one.
@@ -232,7 +236,7 @@ void ContactChanges::tell_closing(double t, std::size_t i, double velocity) {
   if (!goes_on(t, i)) return tell(t, i, Change::closing, velocity);
   const Withheld first = *std::exchange(withheld_, std::nullopt);
   notifier_.event(first.time, on_.system.bar().unknowns().first_node(), contacts_[i], Change::closing, first.velocity,
-                  first.sensitivities);
+                  first.sensitivities, first.impulse);
 }
 
 void ContactChanges::tell(double t, std::size_t i, Change change, double velocity) {

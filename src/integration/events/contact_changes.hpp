@@ -53,11 +53,12 @@ class ContactChanges {
   void strike_by_kink(double t, const FrameJump& jump);
 
  private:
-  // A closing that is not told yet, and when its node struck last.
+  // A closing that is not told yet, when its node struck last, and the impulse before.
   struct Withheld {
     std::size_t contact;
     double last, time, velocity;
     std::vector<ChangeSensitivity> sensitivities;
+    std::optional<double> impulse;
   };
 
   std::span<double> u() const { return on_.layout.u(on_.y); }

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "discretisation/interpolant.hpp"
+#include "dynamics/gauge.hpp"
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "report/measured.hpp"
@@ -135,11 +135,30 @@ void take_times(Recording& recording, const std::vector<double>& times) {
   recording = std::move(taken);
 }
 
-void take_nodes(Recording& recording, const Mesh& mesh) {
-  std::vector<double> own, u, v;
-  for (std::size_t j = 0; j < recording.mesh.nodes(); ++j) own.push_back(recording.mesh.node(j));
-  std::vector<Interpolant> at;
-  for (std::size_t j = 0; j < mesh.nodes(); ++j) at.push_back(interpolant(own, mesh.node(j)));
+// The bar at x, at a joint the one to its right or to its left.
+const Piece& bar_at(const std::vector<Piece>& pieces, double x, bool right) {
+  const double rounding = 1e-12 * (pieces.back().begin + pieces.back().mesh.length);
+  const Piece* found = nullptr;
+  for (const Piece& piece : pieces)
+    if (!piece.rigid() && (!found || (right ? piece.begin <= x + rounding : piece.begin < x - rounding)))
+      found = &piece;
+  return *found;
+}
+
+// Member by member, since u jumps or has a kink at a joint; where the members are others, by their places.
+void take_nodes(Recording& recording, const Scene& own, const Mesh& mesh, const Scene& scene) {
+  const std::vector<Piece> from = pieces_of(own, recording.mesh), to = pieces_of(scene, mesh);
+  const bool alike = std::ranges::equal(from, to, [](const Piece& a, const Piece& b) {
+    return a.rigid() == b.rigid() && (a.rigid() || a.mesh.length == b.mesh.length);
+  });
+  std::vector<Interpolant> at(mesh.nodes());
+  for (std::size_t m = 0; m < to.size(); ++m)
+    for (std::size_t j = 0; j <= to[m].mesh.elements; ++j) {
+      const double x = to[m].begin + to[m].mesh.node(j);
+      const Piece& piece = alike ? from[m] : bar_at(from, x, j == 0);
+      at[to[m].first + j] = interpolant_of(piece, alike ? to[m].mesh.node(j) : x - piece.begin);
+    }
+  std::vector<double> u, v;
   for (std::size_t k = 0; k < recording.times.size(); ++k)
     for (const Interpolant& place : at) {
       u.push_back(place.value(recording.displacement(k)));
@@ -209,7 +228,7 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
       finished.remarks.push_back(fmt::format("{} has {} elements and {} has {}: it is taken at the nodes of the latter",
                                              directories[k], recording.mesh.elements, directories[0],
                                              first.mesh.elements));
-      take_nodes(recording, first.mesh);
+      take_nodes(recording, scenes[k].run.scene, first.mesh, scenes[0].run.scene);
     }
     if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : "";
         !tables.empty())
