@@ -199,7 +199,7 @@ class TraceReader {
     number_ = take_names(all);
     if (found_.empty())
       for (; number_ < all.size(); ++number_) read_line(trimmed(all[number_]));
-    if (found_.empty() && table_.rows == 0) report(1, "", "holds no data");
+    if (found_.empty() && table_.rows == 0 && !of_changes()) report(1, "", "holds no data");
     if (found_.empty()) finish();
     if (!found_.empty()) throw SceneError(std::move(found_));
     return std::move(table_);
@@ -365,8 +365,10 @@ class TraceReader {
       if (column.name != "t" && !contains(words_, column.name)) remove_codes(file_, table_, column);
     }
     const auto equal = std::ranges::adjacent_find(t);
-    table_.understood = fmt::format("{}: {}, {} from {} to {}, of {}", file_, counted(table_.rows, "row"),
-                                    labelled(*table_.column("t")), t.front(), t.back(), fmt::join(names, ", "));
+    const std::string from_to =
+        t.empty() ? "" : fmt::format(", {} from {} to {}", labelled(*table_.column("t")), t.front(), t.back());
+    table_.understood =
+        fmt::format("{}: {}{}, of {}", file_, counted(table_.rows, "row"), from_to, fmt::join(names, ", "));
     const auto add = [&](bool holds, const std::string& what) {
       if (holds) table_.understood += "; " + what;
     };
@@ -386,6 +388,10 @@ class TraceReader {
     return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
   }
   bool of_series() const { return !places_name_.empty(); }
+  /// A table of contact changes, of a motion that may have none.
+  bool of_changes() const {
+    return std::ranges::any_of(words_, [&](const std::string& word) { return table_.column(word); });
+  }
   void left(std::string what) { left_.push_back(one_line(what)); }
   std::size_t place_of_time() const {
     for (std::size_t k = 0; k < places_.size(); ++k)
