@@ -89,14 +89,11 @@ void StepReactions::pass(std::size_t n, RunAccount& account) const {
 }
 
 void StepReactions::close(std::size_t k, double t, Event& event, RunAccount& account) const {
-  const Contact& contact = step_.contacts()[k];
-  const double now = step_.reaction()[k];
-  if (contact.where == Where::span) account.span.latest.raise(span_sum(step_.reaction()), t);
-  if (contact.joint > 0) account.joints[contact.joint - 1].latest.raise(now, t);
-  if (!event.impulse || !contact.at_end()) return;
-  EndAccount& end = of(contact.where == Where::right, account);
-  end.latest.raise(sign(k) * now, t);
-  *event.impulse = end.closings == 1 ? 0.0 : *event.impulse - sign(k) * (dt_ / 2 * now);
+  const bool of_span = event.where == Where::span;
+  const double now = of_span ? span_sum(step_.reaction()) : sign(k) * step_.reaction()[k];
+  ContactAccount& place = account.of(event);
+  place.latest.raise(now, t);
+  if (!of_span) *event.impulse = place.closings == 1 ? 0.0 : *event.impulse - dt_ / 2 * now;
 }
 
 double StepReactions::of_end(bool right, double theta) const {
