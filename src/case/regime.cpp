@@ -150,12 +150,16 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
   const State start = system.initial_state();
   const Bar& bar = system.bar();
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
-  double falling = 0.0;  // the velocity that leads deepest into the span obstacle
+  double falling = 0.0, deepest = 0.0;  // the velocity that leads deepest into the span obstacle, and how deep
   for (const Contact& contact : system.contacts()) {
     if (contact.joint > 0) continue;
     const double v = contact.sign * start.v[contact.unknown];
     if (contact.where == Where::span) {
-      falling = std::min(falling, v);
+      // Falling flat, every node is an oscillator of mass rho A w on the spring w / epsilon.
+      const double x = setup.mesh.node(contact.unknown + system.unknowns().first_node()),
+                   area = run.scene.section ? run.scene.section(x) : 1.0,
+                   depth = -v * std::sqrt(bar.density * area * epsilon);
+      if (depth > deepest) deepest = depth, falling = v;
       continue;
     }
     const bool right = contact.where == Where::right;
@@ -184,9 +188,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
     ContactRegime regime{.where = Where::span, .effective_mass = *std::ranges::max_element(masses)};
     regime.damping_ratio = own;
     regime.chatters = own < 1.0;
-    // Falling flat, every node is an oscillator of mass rho w on the spring w / epsilon.
-    if (falling < 0.0)
-      regime.impact = {-falling, -falling * std::sqrt(bar.density * epsilon), ImpactPrediction::Layer::node};
+    if (falling < 0.0) regime.impact = {-falling, deepest, ImpactPrediction::Layer::node};
     regimes.push_back(regime);
   }
   return regimes;

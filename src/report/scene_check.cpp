@@ -250,11 +250,12 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
   return found;
 }
 
-/// The speed that a first impact will have tells more than the initial velocity.
+/// The speed that a first impact will have tells more than the initial velocity, which may lead to none.
 void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, double epsilon, const BarSystem& system) {
-  if (!foreseen || regime.where == Where::span) return;
+  if (!foreseen) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
-  if (first == foreseen->impacts.end() || first->speed == 0.0) return;
+  if (first == foreseen->impacts.end()) return regime.impact.reset(), regime.forecast.reset();
+  if (regime.where == Where::span || first->speed == 0.0) return;
   const bool right = regime.where == Where::right;
   const double area = area_at(system, right);
   const Bar whole = whole_section(system.bar(), area);

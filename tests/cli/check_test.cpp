@@ -38,6 +38,13 @@ TEST_F(Check, KnowsFirstImpactsOfAFlightExactly) {
   EXPECT_EQ(impact["where"], "left");
 }
 
+// A bar that is too slow to come to its obstacle within the run has no impact.
+TEST_F(Check, PredictsNoPenetrationWhereNothingTouches) {
+  const std::string slow = scene("rigid-flight") + " --set time.end=0.4";
+  EXPECT_EQ(of(slow)["contacts"].at(0)["impact"], nullptr);
+  EXPECT_NE(of(slow + " --set time.end=0.6")["contacts"].at(0)["impact"], nullptr);
+}
+
 // u >= -gap at the right end stops a bar that moves left; on its right it flies through.
 TEST_F(Check, SaysThatAnObstacleOnTheInnerSideDoesNotStopTheBar) {
   const auto warnings = [&](const std::string& settings) {

@@ -189,5 +189,21 @@ TEST(SectionInput, OfAnyUnitOfAreaMeetsAsHardAnObstacle) {
   }
 }
 
+// Flat on an obstacle along the bar, where each node stops on its own.
+TEST(SectionInput, UnderASpanObstacleIsMetAsDeepAsCheckPredicts) {
+  for (const char* section : {"1.0", "\"1e-4*(1+x)\"", "3e5"}) {
+    const Case run =
+        parse_scene(fmt::format("[bar]\nlength = 1.0\nsection = {}\n[span]\ngap = 0.05\n[initial]\nvelocity "
+                                "= -1.0\n[time]\nend = 0.5\n[mesh]\nelements = 20\nmass = \"lumped\"\n"
+                                "[method]\nname = \"cvode\"\n",
+                                section),
+                    "")
+            .run;
+    const viscobar::Setup setup = resolve(run);
+    const double predicted = contact_regimes(setup, setup.system()).at(0).impact->penetration;
+    EXPECT_NEAR(simulate(setup, {}).max_penetration / predicted, 1.0, 0.05) << section;
+  }
+}
+
 }  // namespace
 }  // namespace viscobar
