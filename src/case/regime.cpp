@@ -12,6 +12,7 @@
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
@@ -304,16 +305,43 @@ std::string contact_law(const Setup& setup) {
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
 }
 
+namespace {
+
+// A sqrt(rho E) of the bar that a node is of, 0 of a rigid body.
+double impedance_at(const BarSystem& system, std::size_t node) {
+  for (const Piece& piece : system.elements().pieces())
+    if (!piece.rigid() && piece.first <= node && node <= piece.last()) {
+      const std::size_t e = std::min(node - piece.first, piece.mesh.elements - 1);
+      return piece.bar.impedance() * piece.mesh.element(e) / piece.stretch(e);
+    }
+  return 0.0;
+}
+
+// V times it is the force of the waves that an impact at speed V sends into the bars on its sides.
+double impedance_at(const BarSystem& system, const Contact& contact) {
+  const std::size_t node = contact.unknown + system.unknowns().first_node();
+  const double own = impedance_at(system, node), other = contact.joint > 0 ? impedance_at(system, node - 1) : 0.0;
+  return own > 0.0 && other > 0.0 ? 1.0 / (1.0 / own + 1.0 / other) : std::max(own, other);
+}
+
+}  // namespace
+
 std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   const Bar& bar = system.bar();
+  const double epsilon = is_penalised(run.method) ? setup.epsilon : 0.0;
   double mass = 0.0;
-  bool obstacle = false;
+  // A node that its spring stops before waves tell it of the bar, and an element that is softer than the spring.
+  bool obstacle = false, strikes = false, overshoots = false;
   const std::vector<double> masses = system.inertia().effective_masses();
   for (const Contact& contact : system.contacts()) {
     if (system.stop(contact)) continue;
     obstacle = true;
-    mass = std::max(mass, contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown]);
+    const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown],
+                 impedance = impedance_at(system, contact);
+    mass = std::max(mass, own);
+    strikes |= own > epsilon * impedance * impedance;
+    overshoots |= system.elements().stretch_beside(contact.unknown) > epsilon * bar.modulus;
   }
   if (!obstacle) return std::nullopt;
   if (is_scheme(run.method) && mass > 0.0)
@@ -322,15 +350,14 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   if (is_penalised(run.method) && mass > 0.0) {
     if (run.restitution && *run.restitution < 1.0)
       return "the peak of an impact has no limit: the dashpot begins with a force that grows as contact.epsilon^(-1/2)";
-    if (mass > setup.epsilon * bar.density * bar.modulus)
+    if (strikes)
       return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
              "contact.epsilon^(-1/2)";
   }
   if (bar.viscosity > 0.0)
     return "the peak of an impact has no limit: a viscous bar answers with a force that falls as t^(-1/2) from the "
            "touch on, and a finer mesh or a stiffer spring shows more of it";
-  const double softest = bar.density * bar.modulus * (is_penalised(run.method) ? setup.epsilon : 0.0);
-  if (run.method != MethodName::characteristics && bar.density * system.mesh().spacing() > softest)
+  if (run.method != MethodName::characteristics && overshoots)
     return "the peak of an impact is too high on every mesh: behind the front of an elastic wave the force overshoots, "
            "by a share that a finer mesh does not reduce; method characteristics gives the exact peak";
   return std::nullopt;
