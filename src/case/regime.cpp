@@ -142,6 +142,16 @@ StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double 
   return whole;
 }
 
+EndBar end_bar(const BarSystem& system, bool right) {
+  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
+  const std::vector<Piece>& pieces = system.elements().pieces();
+  const Piece& piece =
+      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
+  EndBar end{whole_section(piece.bar, area_at(system, right)), piece.mesh.element(right ? piece.mesh.elements - 1 : 0)};
+  end.bar.length = system.bar().length;  // all that is behind it presses on
+  return end;
+}
+
 std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   std::vector<ContactRegime> regimes;
@@ -164,9 +174,8 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       continue;
     }
     const bool right = contact.where == Where::right;
-    const double area = area_at(system, right), h = area * system.elements().stretch_beside(contact.unknown),
-                 m = masses[contact.unknown];
-    const Bar whole = whole_section(bar, area);
+    const double m = masses[contact.unknown];
+    const auto [whole, h] = end_bar(system, right);
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;
@@ -175,10 +184,10 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       continue;
     }
     // Nothing brings back a node that is thrown before a wave has crossed its element.
-    if (m > 0.0 && h * bar.slowness() < run.end) {
+    if (m > 0.0 && h * whole.slowness() < run.end) {
       regime.damping_ratio = own + viscous_ratio(whole, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / whole.modulus;
-      if (bar.viscosity > 0.0)
+      if (whole.viscosity > 0.0)
         regime.quiet_epsilon = std::min(regime.quiet_epsilon, 4.0 * m * h * h / (whole.viscosity * whole.viscosity));
       regime.chatters = *regime.damping_ratio < 1.0 && epsilon < regime.quiet_epsilon;
     }
@@ -307,21 +316,14 @@ std::string contact_law(const Setup& setup) {
 
 namespace {
 
-// A sqrt(rho E) of the bar that a node is of, 0 of a rigid body.
-double impedance_at(const BarSystem& system, std::size_t node) {
+// The bar that a node is of, as whole_section() there; of a rigid body nothing.
+Bar bar_at(const BarSystem& system, std::size_t node) {
   for (const Piece& piece : system.elements().pieces())
     if (!piece.rigid() && piece.first <= node && node <= piece.last()) {
       const std::size_t e = std::min(node - piece.first, piece.mesh.elements - 1);
-      return piece.bar.impedance() * piece.mesh.element(e) / piece.stretch(e);
+      return whole_section(piece.bar, piece.mesh.element(e) / piece.stretch(e));
     }
-  return 0.0;
-}
-
-// V times it is the force of the waves that an impact at speed V sends into the bars on its sides.
-double impedance_at(const BarSystem& system, const Contact& contact) {
-  const std::size_t node = contact.unknown + system.unknowns().first_node();
-  const double own = impedance_at(system, node), other = contact.joint > 0 ? impedance_at(system, node - 1) : 0.0;
-  return own > 0.0 && other > 0.0 ? 1.0 / (1.0 / own + 1.0 / other) : std::max(own, other);
+  return {0.0, 0.0, 0.0, 0.0};
 }
 
 }  // namespace
@@ -332,14 +334,19 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   const double epsilon = is_penalised(run.method) ? setup.epsilon : 0.0;
   double mass = 0.0;
   // A node that its spring stops before waves tell it of the bar, and an element that is softer than the spring.
-  bool obstacle = false, strikes = false, overshoots = false;
+  bool obstacle = false, strikes = false, overshoots = false, viscous = false;
   const std::vector<double> masses = system.inertia().effective_masses();
   for (const Contact& contact : system.contacts()) {
     if (system.stop(contact)) continue;
     obstacle = true;
-    const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown],
-                 impedance = impedance_at(system, contact);
+    const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown];
     mass = std::max(mass, own);
+    const std::size_t node = contact.unknown + system.unknowns().first_node();
+    const Bar behind = bar_at(system, node), before = contact.joint > 0 ? bar_at(system, node - 1) : Bar{0, 0, 0, 0};
+    viscous |= behind.damped() || before.damped();
+    // V times it is the force of the waves that an impact at speed V sends into both sides.
+    const double z = behind.impedance(), other = before.impedance(),
+                 impedance = z > 0.0 && other > 0.0 ? z * other / (z + other) : std::max(z, other);
     strikes |= own > epsilon * impedance * impedance;
     overshoots |= system.elements().stretch_beside(contact.unknown) > epsilon * bar.modulus;
   }
@@ -354,7 +361,7 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
       return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
              "contact.epsilon^(-1/2)";
   }
-  if (bar.viscosity > 0.0)
+  if (viscous)
     return "the peak of an impact has no limit: a viscous bar answers with a force that falls as t^(-1/2) from the "
            "touch on, and a finer mesh or a stiffer spring shows more of it";
   if (run.method != MethodName::characteristics && overshoots)
