@@ -117,7 +117,8 @@ std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
     if (name[open] != '/') unit = unit.substr(0, unit.find_first_of("])"));
     name.resize(open);
   }
-  name = plain_name(name);
+  const std::size_t place = std::min(name.find('@'), name.size());  // from there on it is a number, such as 1e-05
+  name = plain_name(name.substr(0, place)) + std::string(trimmed(std::string_view(name).substr(place)));
   if (const std::size_t low = name.rfind('_');
       unit.empty() && low != name.npos && unit_ratio(name.substr(low + 1), "s"))  // time_ms
     unit = name.substr(low + 1), name.resize(low);
