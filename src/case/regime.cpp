@@ -12,6 +12,7 @@
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
@@ -141,6 +142,16 @@ StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double 
   return whole;
 }
 
+EndBar end_bar(const BarSystem& system, bool right) {
+  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
+  const std::vector<Piece>& pieces = system.elements().pieces();
+  const Piece& piece =
+      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
+  EndBar end{whole_section(piece.bar, area_at(system, right)), piece.mesh.element(right ? piece.mesh.elements - 1 : 0)};
+  end.bar.length = system.bar().length;  // all that is behind it presses on
+  return end;
+}
+
 std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   std::vector<ContactRegime> regimes;
@@ -150,18 +161,21 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
   const State start = system.initial_state();
   const Bar& bar = system.bar();
   const double own = run.restitution ? damping_ratio(*run.restitution) : 0.0;
-  double falling = 0.0;  // the velocity that leads deepest into the span obstacle
+  double falling = 0.0, deepest = 0.0;  // the velocity that leads deepest into the span obstacle, and how deep
   for (const Contact& contact : system.contacts()) {
     if (contact.joint > 0) continue;
     const double v = contact.sign * start.v[contact.unknown];
     if (contact.where == Where::span) {
-      falling = std::min(falling, v);
+      // Falling flat, every node is an oscillator of mass rho A w on the spring w / epsilon.
+      const double x = setup.mesh.node(contact.unknown + system.unknowns().first_node()),
+                   area = run.scene.section ? run.scene.section(x) : 1.0,
+                   depth = -v * std::sqrt(bar.density * area * epsilon);
+      if (depth > deepest) deepest = depth, falling = v;
       continue;
     }
     const bool right = contact.where == Where::right;
-    const double area = area_at(system, right), h = area * system.elements().stretch_beside(contact.unknown),
-                 m = masses[contact.unknown];
-    const Bar whole = whole_section(bar, area);
+    const double m = masses[contact.unknown];
+    const auto [whole, h] = end_bar(system, right);
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;
@@ -170,10 +184,10 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
       continue;
     }
     // Nothing brings back a node that is thrown before a wave has crossed its element.
-    if (m > 0.0 && h * bar.slowness() < run.end) {
+    if (m > 0.0 && h * whole.slowness() < run.end) {
       regime.damping_ratio = own + viscous_ratio(whole, h, m, 1.0 / epsilon);
       regime.quiet_epsilon = h / whole.modulus;
-      if (bar.viscosity > 0.0)
+      if (whole.viscosity > 0.0)
         regime.quiet_epsilon = std::min(regime.quiet_epsilon, 4.0 * m * h * h / (whole.viscosity * whole.viscosity));
       regime.chatters = *regime.damping_ratio < 1.0 && epsilon < regime.quiet_epsilon;
     }
@@ -184,9 +198,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
     ContactRegime regime{.where = Where::span, .effective_mass = *std::ranges::max_element(masses)};
     regime.damping_ratio = own;
     regime.chatters = own < 1.0;
-    // Falling flat, every node is an oscillator of mass rho w on the spring w / epsilon.
-    if (falling < 0.0)
-      regime.impact = {-falling, -falling * std::sqrt(bar.density * epsilon), ImpactPrediction::Layer::node};
+    if (falling < 0.0) regime.impact = {-falling, deepest, ImpactPrediction::Layer::node};
     regimes.push_back(regime);
   }
   return regimes;
@@ -302,16 +314,41 @@ std::string contact_law(const Setup& setup) {
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
 }
 
+namespace {
+
+// The bar that a node is of, as whole_section() there; of a rigid body nothing.
+Bar bar_at(const BarSystem& system, std::size_t node) {
+  for (const Piece& piece : system.elements().pieces())
+    if (!piece.rigid() && piece.first <= node && node <= piece.last()) {
+      const std::size_t e = std::min(node - piece.first, piece.mesh.elements - 1);
+      return whole_section(piece.bar, piece.mesh.element(e) / piece.stretch(e));
+    }
+  return {0.0, 0.0, 0.0, 0.0};
+}
+
+}  // namespace
+
 std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   const Bar& bar = system.bar();
+  const double epsilon = is_penalised(run.method) ? setup.epsilon : 0.0;
   double mass = 0.0;
-  bool obstacle = false;
+  // A node that its spring stops before waves tell it of the bar, and an element that is softer than the spring.
+  bool obstacle = false, strikes = false, overshoots = false, viscous = false;
   const std::vector<double> masses = system.inertia().effective_masses();
   for (const Contact& contact : system.contacts()) {
     if (system.stop(contact)) continue;
     obstacle = true;
-    mass = std::max(mass, contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown]);
+    const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown];
+    mass = std::max(mass, own);
+    const std::size_t node = contact.unknown + system.unknowns().first_node();
+    const Bar behind = bar_at(system, node), before = contact.joint > 0 ? bar_at(system, node - 1) : Bar{0, 0, 0, 0};
+    viscous |= behind.damped() || before.damped();
+    // V times it is the force of the waves that an impact at speed V sends into both sides.
+    const double z = behind.impedance(), other = before.impedance(),
+                 impedance = z > 0.0 && other > 0.0 ? z * other / (z + other) : std::max(z, other);
+    strikes |= own > epsilon * impedance * impedance;
+    overshoots |= system.elements().stretch_beside(contact.unknown) > epsilon * bar.modulus;
   }
   if (!obstacle) return std::nullopt;
   if (is_scheme(run.method) && mass > 0.0)
@@ -320,15 +357,14 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
   if (is_penalised(run.method) && mass > 0.0) {
     if (run.restitution && *run.restitution < 1.0)
       return "the peak of an impact has no limit: the dashpot begins with a force that grows as contact.epsilon^(-1/2)";
-    if (mass > setup.epsilon * bar.density * bar.modulus)
+    if (strikes)
       return "the peak of an impact has no limit: the spring stops the mass of a node, with a force that grows as "
              "contact.epsilon^(-1/2)";
   }
-  if (bar.viscosity > 0.0)
+  if (viscous)
     return "the peak of an impact has no limit: a viscous bar answers with a force that falls as t^(-1/2) from the "
            "touch on, and a finer mesh or a stiffer spring shows more of it";
-  const double softest = bar.density * bar.modulus * (is_penalised(run.method) ? setup.epsilon : 0.0);
-  if (run.method != MethodName::characteristics && bar.density * system.mesh().spacing() > softest)
+  if (run.method != MethodName::characteristics && overshoots)
     return "the peak of an impact is too high on every mesh: behind the front of an elastic wave the force overshoots, "
            "by a share that a finer mesh does not reduce; method characteristics gives the exact peak";
   return std::nullopt;

@@ -22,6 +22,12 @@ inline Bar whole_section(Bar bar, double area) {
   bar.density *= area, bar.modulus *= area, bar.viscosity *= area;
   return bar;
 }
+/// The bar at an end, of several in line the nearest, as whole_section() there and as long as all of them.
+struct EndBar {
+  Bar bar;
+  double element = 0.0;  ///< h of the last one
+};
+EndBar end_bar(const BarSystem& system, bool right);
 /// The largest A of the ends of bars, where contacts are.
 double largest_end(const Scene& scene);
 /// natural_epsilon() in letters.

@@ -117,7 +117,8 @@ std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
     if (name[open] != '/') unit = unit.substr(0, unit.find_first_of("])"));
     name.resize(open);
   }
-  name = plain_name(name);
+  const std::size_t place = std::min(name.find('@'), name.size());  // from there on it is a number, such as 1e-05
+  name = plain_name(name.substr(0, place)) + std::string(trimmed(std::string_view(name).substr(place)));
   if (const std::size_t low = name.rfind('_');
       unit.empty() && low != name.npos && unit_ratio(name.substr(low + 1), "s"))  // time_ms
     unit = name.substr(low + 1), name.resize(low);
@@ -199,7 +200,7 @@ class TraceReader {
     number_ = take_names(all);
     if (found_.empty())
       for (; number_ < all.size(); ++number_) read_line(trimmed(all[number_]));
-    if (found_.empty() && table_.rows == 0) report(1, "", "holds no data");
+    if (found_.empty() && table_.rows == 0 && !of_changes()) report(1, "", "holds no data");
     if (found_.empty()) finish();
     if (!found_.empty()) throw SceneError(std::move(found_));
     return std::move(table_);
@@ -365,8 +366,10 @@ class TraceReader {
       if (column.name != "t" && !contains(words_, column.name)) remove_codes(file_, table_, column);
     }
     const auto equal = std::ranges::adjacent_find(t);
-    table_.understood = fmt::format("{}: {}, {} from {} to {}, of {}", file_, counted(table_.rows, "row"),
-                                    labelled(*table_.column("t")), t.front(), t.back(), fmt::join(names, ", "));
+    const std::string from_to =
+        t.empty() ? "" : fmt::format(", {} from {} to {}", labelled(*table_.column("t")), t.front(), t.back());
+    table_.understood =
+        fmt::format("{}: {}{}, of {}", file_, counted(table_.rows, "row"), from_to, fmt::join(names, ", "));
     const auto add = [&](bool holds, const std::string& what) {
       if (holds) table_.understood += "; " + what;
     };
@@ -386,6 +389,10 @@ class TraceReader {
     return column.name + (column.unit.empty() ? "" : " [" + column.unit + "]");
   }
   bool of_series() const { return !places_name_.empty(); }
+  /// A table of contact changes, of a motion that may have none.
+  bool of_changes() const {
+    return std::ranges::any_of(words_, [&](const std::string& word) { return table_.column(word); });
+  }
   void left(std::string what) { left_.push_back(one_line(what)); }
   std::size_t place_of_time() const {
     for (std::size_t k = 0; k < places_.size(); ++k)

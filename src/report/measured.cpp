@@ -102,7 +102,7 @@ TraceFile read_measured(const SceneFile& scene, const std::string& file, const s
       convert(table, column, unit_name(scene.run.scene.units, unit_of(trace->first)), file);
   // Data may be a part of the run, or a record that goes on behind it; units differ by sixty times or more.
   constexpr double most = 5.0, least = 0.01;
-  const double last = t.values.back(), end = scene.run.end;
+  const double last = t.values.empty() ? 0.0 : t.values.back(), end = scene.run.end;
   if (last == 0.0 && !table.column("where")) throw std::invalid_argument(file + ": has no time after 0");
   const bool late = last > most * end;
   // The last contact may be early.

@@ -250,20 +250,18 @@ std::vector<std::string> warnings_of(const Setup& setup, const BarSystem& system
   return found;
 }
 
-/// The speed that a first impact will have tells more than the initial velocity.
+/// The speed that a first impact will have tells more than the initial velocity, which may lead to none.
 void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, double epsilon, const BarSystem& system) {
-  if (!foreseen || regime.where == Where::span) return;
+  if (!foreseen) return;
   const auto first = std::ranges::find(foreseen->impacts, regime.where, &FirstImpact::where);
-  if (first == foreseen->impacts.end() || first->speed == 0.0) return;
+  if (first == foreseen->impacts.end()) return regime.impact.reset(), regime.forecast.reset();
+  if (regime.where == Where::span || first->speed == 0.0) return;
   const bool right = regime.where == Where::right;
-  const double area = area_at(system, right);
-  const Bar whole = whole_section(system.bar(), area);
-  if (regime.stop) {
+  const auto [whole, h] = end_bar(system, right);
+  if (regime.stop)
     regime.forecast = forecast(whole, system.inputs()[right].mass, *regime.stop, first->speed);
-    return;
-  }
-  const double h = area * system.elements().stretch_beside(right ? system.size() - 1 : 0);
-  regime.impact = predict_impact(whole, h, regime.effective_mass, epsilon, first->speed);
+  else
+    regime.impact = predict_impact(whole, h, regime.effective_mass, epsilon, first->speed);
 }
 
 Json to_json(const FirstImpact& impact) {
@@ -353,8 +351,7 @@ std::string check_json(const SceneCheck& check) {
   if (run.scene.section) json["terms"]["section"] = section_text(run.scene);
   if (run.scene.side) json["terms"]["side"] = side_text(run.scene);
   for (const SceneEnd& end : ends_of(run.scene))
-    if (const auto words = inputs_text(
-            run.scene, whole_section(system.bar(), area_at(system, end.name == std::string_view("right"))), end);
+    if (const auto words = inputs_text(run.scene, end_bar(system, end.name == std::string_view("right")).bar, end);
         !words.empty())
       json["terms"][end.name] = words;
   json["contact_nodes"] = system.contacts().size();

@@ -89,14 +89,11 @@ void StepReactions::pass(std::size_t n, RunAccount& account) const {
 }
 
 void StepReactions::close(std::size_t k, double t, Event& event, RunAccount& account) const {
-  const Contact& contact = step_.contacts()[k];
-  if (contact.where == Where::span) account.span.latest.raise(span_sum(step_.reaction()), t);
-  if (contact.joint == 0 && !contact.at_end()) return;
-  ContactAccount& own = account.of(event);
-  const double now = (contact.joint > 0 ? 1.0 : sign(k)) * step_.reaction()[k];
-  own.latest.raise(now, t);
-  // Half of the step before is the contact's, and what the start has given.
-  if (event.impulse) *event.impulse = own.closings == 1 ? 0.0 : *event.impulse - dt_ / 2 * now;
+  const bool of_span = event.where == Where::span;
+  const double now = of_span ? span_sum(step_.reaction()) : sign(k) * step_.reaction()[k];
+  ContactAccount& place = account.of(event);
+  place.latest.raise(now, t);
+  if (event.impulse) *event.impulse = place.closings == 1 ? 0.0 : *event.impulse - dt_ / 2 * now;
 }
 
 double StepReactions::of_end(bool right, double theta) const {

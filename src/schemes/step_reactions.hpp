@@ -29,7 +29,7 @@ class StepReactions {
   void begin(const State& start, RunAccount& account) const;
   /// Adds (t_{n-1}, t_n].
   void pass(std::size_t n, RunAccount& account) const;
-  /// Contact k closes at t: lambda^n, which leads there, is of it, and what the start takes of an end's first one.
+  /// Contact k closes at t: lambda^n, which leads there, is of it, and what the start takes of a place's first one.
   void close(std::size_t k, double t, Event& event, RunAccount& account) const;
 
   double of_contact(std::size_t k, double theta) const {

@@ -182,6 +182,29 @@ TEST(ChainAccounts, TheImpulseOfAJointIsThatOfItsForceBesideASideThatResists) {
   }
 }
 
+// The force of a step of (2.8) leads to its end: half of it is of the contact that closes there.
+TEST(ChainAccounts, ContactsOfAJointShareItsWholeImpulse) {
+  for (const char* gap : {"0.1", "0.0"}) {
+    const Recording run = record(case_of(fmt::format(
+        "[[bar]]\nmass = 1.0\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.1\nvelocity = 0.0\n[[joint]]\nkind "
+        "= \"contact\"\ngap = {}\n[right]\nkind = \"fixed\"\n[time]\nend = 8.0\n[mesh]\nelements = 20\n[method]\nname = "
+        "\"fully_discrete\"\nstep = 0.02\n",
+        gap)));
+    double sum = 0.0;
+    std::size_t closings = 0;
+    for (const Event& event : run.events) {
+      ASSERT_EQ(event.where, Where::joint);
+      closings += event.change == Change::closing;
+      sum += event.change == Change::closing ? -event.impulse.value() : event.impulse.value();
+    }
+    const ContactAccount& joint = run.statistics.account->joints.front();
+    ASSERT_EQ(run.events.size(), 2 * closings) << gap;
+    EXPECT_EQ(closings, joint.closings);
+    EXPECT_GT(joint.impulse, 1.0);
+    EXPECT_NEAR(sum, joint.impulse, 1e-12) << gap;
+  }
+}
+
 TEST(ChainAccounts, AnObstacleOnTheRightOfABodyReactsAsOneOnTheLeft) {
   const std::string rest =
       "[time]\nend = 4.0\n[mesh]\nelements = 20\nmass = \"lumped\"\n[method]\nname = \"fully_discrete\"\n";

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <fstream>
 #include <string>
 
 #include "cli/command.hpp"
@@ -36,6 +37,39 @@ TEST_F(Check, KnowsFirstImpactsOfAFlightExactly) {
   // Free flight over the gap 0.5 at speed 1: to the tolerance of the run, whose method foresees it.
   EXPECT_NEAR(impact["time"].get<double>(), 0.5, 1e-6);
   EXPECT_EQ(impact["where"], "left");
+}
+
+// A bar that is too slow to come to its obstacle within the run has no impact.
+TEST_F(Check, PredictsNoPenetrationWhereNothingTouches) {
+  const std::string slow = scene("rigid-flight") + " --set time.end=0.4";
+  EXPECT_EQ(of(slow)["contacts"].at(0)["impact"], nullptr);
+  EXPECT_NE(of(slow + " --set time.end=0.6")["contacts"].at(0)["impact"], nullptr);
+}
+
+// The bar at the obstacle tells how its node bounces, not what stands behind it: zeta = eta / h / (2 sqrt(m /
+// epsilon)).
+TEST_F(Check, JudgesAContactOfAChainByTheBarThatIsThere) {
+  std::ofstream(directory_ / "chain.toml")
+      << "[[bar]]\nlength = 1.0\nviscosity = 0.01\nelements = 20\nvelocity = -1.0\n[[bar]]\nlength = 1.0\ndensity = "
+         "9.0\nmodulus = 4.0\nviscosity = 4.0\nelements = 20\nvelocity = -1.0\n[left]\nkind = \"obstacle\"\ngap = "
+         "0.1\n[time]\nend = 0.3\n[mesh]\nmass = \"lumped\"\n[contact]\nepsilon = 1e-5\n[method]\nname = \"arkode\"\n";
+  const Json contact = of("chain.toml")["contacts"].at(0);
+  EXPECT_NEAR(contact["damping_ratio"].get<double>(), 0.2 / (2.0 * std::sqrt(0.025 / 1e-5)), 1e-9);
+  EXPECT_NEAR(contact["quiet_epsilon"].get<double>(), 0.05, 1e-9);
+  EXPECT_NEAR(contact["impact"]["predicted_penetration"].get<double>(), std::sqrt(0.025 * 1e-5), 1e-6);
+}
+
+// A dashpot between elastic bars makes none of them viscous: the penalty that is chosen does not depend on the unit of
+// their area.
+TEST_F(Check, ChoosesOnePenaltyForElasticBarsWithADashpotBetweenThemInAnyUnitOfArea) {
+  const auto epsilon = [&](double area) {
+    std::ofstream(directory_ / "chain.toml")
+        << "[[bar]]\nlength = 1.0\nsection = " << area << "\nvelocity = -1.0\n[[bar]]\nlength = 1.0\nsection = " << area
+        << "\n[[joint]]\nkind = \"spring\"\nstiffness = " << area << "\ndamping = " << area
+        << "\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[time]\nend = 0.3\n[method]\nname = \"cvode\"\n";
+    return of("chain.toml")["scene"]["contact"]["epsilon"].get<double>() * area;
+  };
+  for (const double area : {1e-4, 1e4}) EXPECT_NEAR(epsilon(area) / epsilon(1.0), 1.0, 1e-9) << area;
 }
 
 // u >= -gap at the right end stops a bar that moves left; on its right it flies through.

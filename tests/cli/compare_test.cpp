@@ -241,6 +241,35 @@ TEST_F(Compare, TakesResultsOfBarsInLine) {
   }
 }
 
+// Bars that fly apart: one at rest, the other at a speed that is not that of the first run. Each member is taken at its
+// own nodes: a polynomial through those of both would have two values at the joint.
+TEST_F(Compare, TakesChainsThatAreThereMemberByMember) {
+  std::ofstream(directory_ / "chain.toml")
+      << "[[bar]]\nlength = 1.0\nviscosity = 0.1\n[[bar]]\nlength = 2.0\nvelocity = 1.0\nviscosity = 0.1\n"
+         "[[joint]]\nkind = \"contact\"\ngap = 0.1\n[time]\nend = 3.0\n[output]\nevery = 0.5\n";
+  const auto run = [&](const std::string& settings) {
+    ASSERT_EQ(viscobar("run chain.toml --quiet --no-estimate " + settings).code, 0);
+  };
+  run("--set mesh.elements=30 -o coarse");
+  run("--set mesh.elements=60 --set bar.2.velocity=2 -o fine");
+  const Json apart = viscobar("compare coarse fine -o flight --json").json();
+  EXPECT_NEAR(apart["pairs"][0]["displacement_l2"].get<double>(), 3.0 * std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(apart["pairs"][0]["velocity_l2"].get<double>(), std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(apart["pairs"][0]["displacement_h1"].get<double>(), 0.0, 1e-9);
+  EXPECT_NE(apart["remarks"].dump().find("fine has 60 elements and coarse has 30"), std::string::npos);
+
+  run("--set mesh.elements=30 --set bar.2.velocity=-1 -o struck");
+  run("--set mesh.elements=60 --set bar.2.velocity=-1 -o fine-struck");
+  const Json pair = viscobar("compare fine-struck struck -o blow --json").json()["pairs"][0];
+  ASSERT_EQ(pair["contacts"].size(), 1u);
+  for (const auto& [side, result] : {std::pair{"first", "fine-struck"}, {"other", "struck"}}) {
+    const Json told = Json::parse(read_text(directory_ / result / "summary.json"));
+    EXPECT_EQ(pair["contacts"][0][side]["impulse"], told["contact"]["joint:1"]["impulse"]) << side;
+  }
+  EXPECT_GT(pair["displacement_l2"].get<double>(), 1e-6);
+  EXPECT_LT(pair["displacement_l2"].get<double>(), 1e-3);
+}
+
 TEST_F(Compare, RefusesResultsThatItCannotCompare) {
   ASSERT_EQ(viscobar("run " + scene("rebound") + " --quiet --no-estimate -o whole").code, 0);
   const auto refused = [&](const std::string& arguments, const std::string& why) {

@@ -150,6 +150,18 @@ TEST_F(Gauges, AreHeldAgainstTheBarItself) {
   EXPECT_EQ(viscobar("compare mode.toml --with out/ends.csv=x -o no").code, 2);
 }
 
+// A place that is written with an exponent, of a bar shorter than the unit of its lengths.
+TEST_F(Gauges, AtPlacesWithAnExponentAreReadAgain) {
+  std::ofstream(directory_ / "small.toml")
+      << "[bar]\nlength = 2e-4\nmodulus = 1e-8\nviscosity = 1e-9\n[initial]\nvelocity = \"1e-4*cos(pi*x/2e-4)\"\n[time]\n"
+         "end = 2.0\n[mesh]\nelements = 20\n[output]\ngauges = [7.5e-5]\n";
+  ASSERT_EQ(viscobar("run small.toml -q --no-estimate -o out").code, 0);
+  const auto fit =
+      viscobar("fit small.toml --data out/gauges.csv --parameters bar.viscosity --set bar.viscosity=2e-9 --json");
+  ASSERT_EQ(fit.code, 0) << fit.error;
+  EXPECT_NEAR(fit.json()["parameters"]["bar.viscosity"]["estimate"].get<double>(), 1e-9, 1e-12);
+}
+
 // Contact changes belong to the file before them; each --with has an order of its own.
 TEST_F(Gauges, ContactChangesOfOthersAreJudgedAndSchemesAreKeptApart) {
   const std::string scene =

@@ -245,6 +245,9 @@ TEST_F(Sensitivity, OfAFitRefusesContactTimesWhereNothingCanTouch) {
     EXPECT_EQ(run.code, 2) << where;
     EXPECT_NE(run.error.find(" at t = 0.5"), std::string::npos) << run.error;
   }
+  std::ofstream(directory_ / "events.csv") << "t,where,change\n";
+  EXPECT_NE(viscobar("fit bar.toml --events events.csv --parameters left.gap").error.find("holds no data"),
+            std::string::npos);
   std::ofstream(directory_ / "events.csv") << "t,where,change\n0.5,span:21,closing\n";
   EXPECT_EQ(viscobar("fit bar.toml --events events.csv --parameters span.gap --set left.kind=free --set left.gap= "
                      "--set span.gap=0.1")

@@ -189,5 +189,40 @@ TEST(SectionInput, OfAnyUnitOfAreaMeetsAsHardAnObstacle) {
   }
 }
 
+// Springs of a tenth and of ten times the element beside them, a wave's peak behind the one and the node's behind the
+// other, whatever the unit of the area: only the softer one has a peak with a limit.
+TEST(SectionInput, OfAnyUnitOfAreaHasAPeakWithALimitOnASoftStopAlone) {
+  for (const double area : {1.0, 1e-4, 1e6})
+    for (const bool soft : {true, false})
+      for (const char* mass : {"lumped", "redistributed"}) {
+        const Case run =
+            parse_scene(
+                fmt::format("[bar]\nlength = 1.0\nmodulus = 2e11\ndensity = 7800\nsection = {}\n[left]\nkind "
+                            "= \"obstacle\"\ngap = 0.05\n[initial]\nvelocity = -1.0\n[time]\nend = 1.0\n[mesh]"
+                            "\nelements = 20\nmass = \"{}\"\n[contact]\nepsilon = {}\n[method]\nname = \"ida\"\n",
+                            area, mass, (soft ? 10.0 : 0.1) / (20.0 * 2e11 * area)),
+                "")
+                .run;
+        const viscobar::Setup setup = resolve(run);
+        EXPECT_EQ(peak_remark(setup, setup.system()).has_value(), !soft) << area << " " << mass;
+      }
+}
+
+// Flat on an obstacle along the bar, where each node stops on its own.
+TEST(SectionInput, UnderASpanObstacleIsMetAsDeepAsCheckPredicts) {
+  for (const char* section : {"1.0", "\"1e-4*(1+x)\"", "3e5"}) {
+    const Case run =
+        parse_scene(fmt::format("[bar]\nlength = 1.0\nsection = {}\n[span]\ngap = 0.05\n[initial]\nvelocity "
+                                "= -1.0\n[time]\nend = 0.5\n[mesh]\nelements = 20\nmass = \"lumped\"\n"
+                                "[method]\nname = \"cvode\"\n",
+                                section),
+                    "")
+            .run;
+    const viscobar::Setup setup = resolve(run);
+    const double predicted = contact_regimes(setup, setup.system()).at(0).impact->penetration;
+    EXPECT_NEAR(simulate(setup, {}).max_penetration / predicted, 1.0, 0.05) << section;
+  }
+}
+
 }  // namespace
 }  // namespace viscobar

@@ -62,6 +62,20 @@ TEST(AccuracyOnRequest, TheReboundOfAViscousBarHasTheContactTimeToTheErrorAskedF
     }
 }
 
+// The bar flies as it is, and closes its contact at the time of its gap. Steps of both lengths that end there at the
+// same time know it no better than one of them.
+TEST(AccuracyOnRequest, AContactTimeOfASchemeIsKnownToAStep) {
+  for (const double gap : {0.201, 0.2033, 0.2057, 0.209, 0.2111}) {
+    const AccuracyResult result =
+        solve(study_of(rebound, {fmt::format("left.gap={}", gap), "time.end=0.6", "method.name=fully_discrete",
+                                 "accuracy.error=1e-3", "accuracy.of=contact_times"}));
+    const double wrong = std::abs(record(result.run).events.at(0).time - gap);
+    EXPECT_TRUE(result.estimate.kept) << gap << result.estimate.doubt;
+    EXPECT_LE(wrong, 1e-3) << gap;
+    EXPECT_LE(wrong, result.estimate.total) << gap;
+  }
+}
+
 // Other work on the machine takes no time of a run: only its own counts.
 TEST(AccuracyOnRequest, ABoundOfARunIsProcessorTime) {
   Case run = parse_scene(rebound, "scene", {}).run;

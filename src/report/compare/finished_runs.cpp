@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "dynamics/gauge.hpp"
+#include "dynamics/pieces.hpp"
 #include "input/described_scene.hpp"
 #include "input/input_text.hpp"
 #include "report/measured.hpp"
@@ -135,30 +136,28 @@ void take_times(Recording& recording, const std::vector<double>& times) {
   recording = std::move(taken);
 }
 
-// The bar at x, at a joint the one to its right or to its left.
-const Piece& bar_at(const std::vector<Piece>& pieces, double x, bool right) {
-  const double rounding = 1e-12 * (pieces.back().begin + pieces.back().mesh.length);
-  const Piece* found = nullptr;
-  for (const Piece& piece : pieces)
-    if (!piece.rigid() && (!found || (right ? piece.begin <= x + rounding : piece.begin < x - rounding)))
-      found = &piece;
-  return *found;
+// The member of a chain whose motion another run has at a place, by the places of its own members; where two meet, the
+// one that the place begins or ends, unless both runs have as many.
+const Piece& member_at(const std::vector<Piece>& own, double x, std::size_t member, std::size_t members, bool begins) {
+  const double close = 1e-9 * (own.back().begin + own.back().mesh.length);
+  const auto has = [&](const Piece& piece) {
+    return piece.begin - close <= x && x <= piece.begin + (piece.rigid() ? 0.0 : piece.mesh.length) + close;
+  };
+  if (own.size() == members && has(own[member])) return own[member];
+  if (begins) return *std::ranges::find_if(own.rbegin(), own.rend(), has);
+  return *std::ranges::find_if(own, has);
 }
 
-// Member by member, since u jumps or has a kink at a joint; where the members are others, by their places.
-void take_nodes(Recording& recording, const Scene& own, const Mesh& mesh, const Scene& scene) {
-  const std::vector<Piece> from = pieces_of(own, recording.mesh), to = pieces_of(scene, mesh);
-  const bool alike = std::ranges::equal(from, to, [](const Piece& a, const Piece& b) {
-    return a.rigid() == b.rigid() && (a.rigid() || a.mesh.length == b.mesh.length);
-  });
-  std::vector<Interpolant> at(mesh.nodes());
-  for (std::size_t m = 0; m < to.size(); ++m)
-    for (std::size_t j = 0; j <= to[m].mesh.elements; ++j) {
-      const double x = to[m].begin + to[m].mesh.node(j);
-      const Piece& piece = alike ? from[m] : bar_at(from, x, j == 0);
-      at[to[m].first + j] = interpolant_of(piece, alike ? to[m].mesh.node(j) : x - piece.begin);
-    }
+// A polynomial in x goes through nodes of one member of a chain.
+void take_nodes(Recording& recording, const Scene& scene, const Mesh& mesh, const Scene& scene_of_mesh) {
   std::vector<double> u, v;
+  const std::vector<Piece> from = pieces_of(scene, recording.mesh), to = pieces_of(scene_of_mesh, mesh);
+  std::vector<Interpolant> at;
+  for (std::size_t m = 0; m < to.size(); ++m)
+    for (std::size_t j = std::max(to[m].first, at.size()); j <= to[m].last(); ++j) {
+      const Piece& member = member_at(from, mesh.node(j), m, to.size(), j == to[m].first);
+      at.push_back(interpolant_of(member, mesh.node(j) - member.begin));
+    }
   for (std::size_t k = 0; k < recording.times.size(); ++k)
     for (const Interpolant& place : at) {
       u.push_back(place.value(recording.displacement(k)));
@@ -167,22 +166,30 @@ void take_nodes(Recording& recording, const Scene& own, const Mesh& mesh, const 
   recording.mesh = mesh, recording.u = std::move(u), recording.v = std::move(v);
 }
 
-// The account of the end is that of its only contact, where that is over by then. Of several an integral over the
-// output times is all there is.
+// The account of a place is that of its only contact, where that is over by then. Of several at an end an integral over
+// the output times is all there is.
 void take_impulses(Recording& recording, const std::vector<ContactPeriod>& periods, const Json& contact, double until) {
-  for (const Where where : {Where::left, Where::right}) {
-    const auto of_end = contact.find(name(where));
-    if (of_end == contact.end() || std::ranges::count(periods, where, &ContactPeriod::where) != 1) continue;
-    if (std::ranges::find(periods, where, &ContactPeriod::where)->end > until) continue;
-    const double impulse = of_end->value("impulse", 0.0);
-    std::ranges::find(recording.events, where, &Event::where)->impulse = 0.0;
+  for (const ContactPeriod& period : periods) {
+    const auto alike = [&](const auto& other) { return other.where == period.where && other.node == period.node; };
+    const auto of_place = contact.find(place(Event{period.begin, period.where, period.node}));
+    if (of_place == contact.end() || std::ranges::count_if(periods, alike) != 1 || period.end > until) continue;
+    const double impulse = of_place->value("impulse", 0.0);
+    Event& first = *std::ranges::find_if(recording.events, alike);
+    first.impulse = 0.0;
     Event* last = nullptr;
     for (Event& event : recording.events)
-      if (event.where == where) last = &event;
+      if (alike(event)) last = &event;
     if (last->change == Change::opening) last->impulse = impulse;
     if (!recording.statistics.account) recording.statistics.account.emplace();
-    (where == Where::left ? recording.statistics.account->left : recording.statistics.account->right).impulse = impulse;
+    recording.statistics.account->of(first).impulse = impulse;
   }
+}
+
+std::size_t elements_of(const Mesh& mesh) {
+  std::size_t elements = 0;
+  if (!mesh.members) return mesh.elements;
+  for (const Mesh& own : *mesh.members) elements += own.elements;
+  return elements;
 }
 
 }  // namespace
@@ -226,8 +233,8 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     }
     if (!ends_only && !same_nodes(recording.mesh, first.mesh)) {
       finished.remarks.push_back(fmt::format("{} has {} elements and {} has {}: it is taken at the nodes of the latter",
-                                             directories[k], recording.mesh.elements, directories[0],
-                                             first.mesh.elements));
+                                             directories[k], elements_of(recording.mesh), directories[0],
+                                             elements_of(first.mesh)));
       take_nodes(recording, scenes[k].run.scene, first.mesh, scenes[0].run.scene);
     }
     if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : "";

@@ -100,6 +100,7 @@ void read_data(FitStudy& study, const SceneFile& scene, const std::string& file,
 void read_changes(FitStudy& study, const SceneFile& scene, const std::string& file, Factors& factors) {
   const TraceFile table =
       read_measured(scene, file, {"t", "where", "change", "velocity"}, {"t", "where", "change"}, {"where", "change"});
+  if (table.rows == 0) throw std::invalid_argument(file + ": holds no data");
   add_warnings(study, table);
   study.changes = changes_in(table, file);
   factors["events"] = table.column("t")->factor;

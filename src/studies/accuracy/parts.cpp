@@ -65,11 +65,14 @@ Part Plan::time_error(std::size_t elements) {
   if (pair.empty()) return {};
   runs_.make(pair);
   if (stepping_) {
-    // A node stops within a step, in which a line lies beside the kink: between any two times.
+    // A node stops within a step, in which a line lies beside the kink: between any two times. A contact changes at
+    // the end of a step, which two steps may have in common.
     Part part = part_of(pair[0], &Setting::fineness, time_order_, 2.0);
     const Goal of = study_.request.of;
     if (of == Goal::displacement || of == Goal::end_traces)
       part.error = std::max(part.error, 0.25 * closing_speed_ * chosen_.fineness);
+    if (of == Goal::contact_times && !runs_.of(pair[0]).events.empty())
+      part.error = std::max(part.error, chosen_.fineness);
     return part;
   }
   Part part{apart(pair[0], pair[1]) / (1.0 - std::pow(ratio_, -time_order_)), time_order_};
