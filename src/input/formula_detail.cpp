@@ -144,13 +144,14 @@ void FormulaDetail::search(const Stretches& rest, double share) {
   coarse_ = share * until_;
   // Breaks may have a limit, as those of sin(1/x) > 0.
   std::size_t stretches = 0;
+  const std::size_t others = others_.size();
   for (const Stretch& one : rest) quiet_ -= one.end - one.begin;
   for (const Stretch& one : rest)
     for (double begin = one.begin, end = begin; begin < one.end && ++stretches < most_stretches; begin = end) {
       end = switches_.first(0.0, begin + rounding_, one.end).value_or(one.end);
-      for (std::size_t k = 0; k < others_.size() && others_.size() > 1; ++k)
+      for (std::size_t k = 0; k < others && others > 1; ++k)
         end = travelling_.first(others_[k].low, begin + rounding_, end).value_or(end);
-      divide(begin, end, others_);
+      divide(begin, end, 0, others);
     }
 }
 
@@ -164,36 +165,40 @@ Jet FormulaDetail::over(const Jet& s, Interval other) {
 // Values of the other variable for which there may be more than a straight line are looked at: in halves, where that is
 // most of all its own doing, as of a wave that travels, and else in halves of the interval. Where something goes on
 // that always changes about as fast, a step sees it, wherever it ends.
-void FormulaDetail::divide(double begin, double end, std::vector<Interval> others) {
+void FormulaDetail::divide(double begin, double end, std::size_t first, std::size_t count) {
   const double size = end - begin;
   if (size < 4.0 * rounding_ || (!along_x_ && covered_ > pulses * until_)) return;
   const Jet s{{begin + rounding_, end - rounding_}, {1.0, 1.0}};
   const auto apart = [&](const Jet& f) {
     return std::min(f.value.high - f.value.low, (f.slope.high - f.slope.low) * size / 4.0);
   };
-  std::vector<Interval> rough;
+  const std::size_t rough = others_.size();
+  pending_.clear();
+  for (std::size_t k = count; k-- > 0;) pending_.push_back(others_[first + k]);
   double range = 0.0, slowest = 0.0, fastest = 0.0;
-  while (!others.empty()) {
-    const Interval other = others.back();
-    others.pop_back();
+  while (!pending_.empty()) {
+    const Interval other = pending_.back();
+    pending_.pop_back();
     const Jet f = over(s, other);
     const double middle = other.low + (other.high - other.low) / 2.0;
     if (apart(f) > allowed_ && other.high - other.low > narrowest * whole_.high && ++effort_ < most_halvings &&
         apart(over(s, Interval(middle))) < apart(f) / 2.0) {
-      others.push_back({middle, other.high});
-      others.push_back({other.low, middle});
+      pending_.push_back({middle, other.high});
+      pending_.push_back({other.low, middle});
       continue;
     }
     range = std::max(range, f.value.high - f.value.low);
     slowest = std::max({slowest, f.slope.low, -f.slope.high});
     fastest = std::max({fastest, f.slope.high, -f.slope.low});
-    if (apart(f) > allowed_) rough.push_back(other);
+    if (apart(f) > allowed_) others_.push_back(other);
   }
-  if (!rough.empty() && size > finest * until_ && ++effort_ < most_halvings) {
-    divide(begin, begin + size / 2.0, rough);
-    divide(begin + size / 2.0, end, std::move(rough));
-    return;
+  const std::size_t left = others_.size() - rough;
+  if (left > 0 && size > finest * until_ && ++effort_ < most_halvings) {
+    divide(begin, begin + size / 2.0, rough, left);
+    divide(begin + size / 2.0, end, rough, left);
+    return others_.resize(rough);
   }
+  others_.resize(rough);
   if (range <= allowed_) quiet_ += size;
   const bool steady = !along_x_ && slowest > fastest / 4.0;
   if (size < coarse_) {

@@ -197,7 +197,7 @@ class FormulaDetail {
   bool is_flank(const Stretch& one, const Stretches& rest);
   void search(const Stretches& rest, double share);
   Jet over(const Jet& s, Interval other);
-  void divide(double begin, double end, std::vector<Interval> others);
+  void divide(double begin, double end, std::size_t first, std::size_t count);
 
   std::shared_ptr<const FormulaTree> tree_;
   FormulaSwitches switches_, travelling_;
@@ -206,7 +206,8 @@ class FormulaDetail {
   Stretches found_;  // by a search
   bool along_x_;
   const Interval whole_;  // of the other variable
-  std::vector<Interval> others_;
+  // Values of it: those of the whole search, and behind them what each halving has left; those to be looked at.
+  std::vector<Interval> others_, pending_;
   Jet other_;
   double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
   std::size_t effort_ = 0;
