@@ -24,7 +24,7 @@ Gauge::Gauge(const Mesh& mesh, const Bar& bar, double x)
 Gauge::Gauge(const Mesh& mesh, const Scene& scene, double x) : Gauge(mesh, scene.bar, x) {
   if (scene.chain.empty()) return;
   for (const Piece& piece : pieces_of(scene, mesh)) {
-    if (piece.rigid() || (piece.begin > 0.0 && x <= piece.begin)) continue;
+    if (piece.rigid() || (piece.begin > 0.0 && !is_behind(x, piece.begin))) continue;
     at_ = within(mesh, piece.first, piece.last(), x);
     modulus_ = piece.bar.modulus, viscosity_ = piece.bar.viscosity;
   }

@@ -11,6 +11,9 @@
 
 namespace viscobar {
 
+/// True if a place lies behind another one by more than the rounding of lengths that were added up.
+inline bool is_behind(double x, double end) { return x > end * (1.0 + 1e-12); }
+
 /// A place of the bar where its motion is read: u, v, strain u_x and stress E u_x + eta v_x.
 class Gauge {
  public:
