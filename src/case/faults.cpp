@@ -10,6 +10,7 @@
 
 #include "case/method_table.hpp"
 #include "case/run_cost.hpp"
+#include "dynamics/gauge.hpp"
 #include "run/parts.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
@@ -85,7 +86,7 @@ void check_values(const Case& run, Findings& findings) {
   if (const auto twice = std::ranges::adjacent_find(gauges); twice != gauges.end())
     findings.report("output.gauges", "has {} twice", *twice);
   if (!gauges.empty() && findings.sound({"bar.length"}) &&
-      !(gauges.front() >= 0.0 && gauges.back() <= run.scene.bar.length * (1.0 + 1e-12)))
+      !(gauges.front() >= 0.0 && !is_behind(gauges.back(), run.scene.bar.length)))
     findings.report("output.gauges", "must lie on the bar, in [0, {}], and {} does not", run.scene.bar.length,
                     gauges.front() < 0.0 ? gauges.front() : gauges.back());
 }

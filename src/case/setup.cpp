@@ -80,7 +80,7 @@ Chosen<Mass> mass_of(const Case& run) {
 Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   if (run.epsilon) return {*run.epsilon, asked};
   Bar bar = whole_section(run.scene.bar, largest_end(run.scene));
-  // A chain of elastic bars may be damped by other things than a viscosity.
+  // A dashpot at a joint, which makes a chain of elastic bars a damped one, is no viscosity of theirs.
   const auto is_viscous = [](const Member& member) { return member.bar.viscosity > 0.0; };
   if (!run.scene.chain.empty() && std::ranges::none_of(run.scene.chain, is_viscous)) bar.viscosity = 0.0;
   const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;

@@ -52,9 +52,8 @@ Gauge::Gauge(const Mesh& mesh, const Bar& bar, double x)
     : at_(within(mesh, nullptr, x)), x_(x), modulus_(bar.modulus), viscosity_(bar.viscosity) {}
 
 Gauge::Gauge(const Mesh& mesh, const Scene& scene, double x) : x_(x) {
-  const double rounding = 1e-12 * mesh.length;  // of a sum of lengths
   for (const Piece& piece : pieces_of(scene, mesh)) {
-    if (piece.rigid() || (piece.begin > 0.0 && x <= piece.begin + rounding)) continue;
+    if (piece.rigid() || (piece.begin > 0.0 && !is_behind(x, piece.begin))) continue;
     at_ = interpolant_of(piece, x - piece.begin);
     modulus_ = piece.bar.modulus, viscosity_ = piece.bar.viscosity;
   }

@@ -12,6 +12,9 @@
 
 namespace viscobar {
 
+/// True if a place lies behind another one by more than the rounding of lengths that were added up.
+inline bool is_behind(double x, double end) { return x > end * (1.0 + 1e-12); }
+
 /// By the nodes of a member of a chain, or of a bar alone, at x from its left end. Where A jumps or has a kink, u_x or
 /// u_xx jumps: the nodes are of one side, at the place itself of the left one, and an element that is cut by such a
 /// place has its P1 functions.

@@ -21,11 +21,12 @@ StepReactions::StepReactions(const BarSystem& system, const TimeStep& step, std:
     if (!wall || system.frame().moving())
       watched_.push_back({right, wall ? &*wall : &step.u()[i], wall ? nullptr : &step.p()[i]});
     if (wall) continue;
-    const auto found = std::ranges::equal_range(contacts, i, {}, &Contact::unknown);
+    const auto begin = std::ranges::lower_bound(contacts, i, {}, &Contact::unknown),
+               end = std::ranges::upper_bound(contacts, i, {}, &Contact::unknown);
     // A rigid body there may be the right side of a joint as well.
     const auto of_joint = [](const Contact& contact) { return contact.joint > 0; };
-    const auto first = std::find_if_not(found.begin(), found.end(), of_joint);
-    at_end_[right] = {first - contacts.begin(), std::find_if(first, found.end(), of_joint) - contacts.begin()};
+    const auto first = std::find_if_not(begin, end, of_joint);
+    at_end_[right] = {first - contacts.begin(), std::find_if(first, end, of_joint) - contacts.begin()};
   }
 }
 

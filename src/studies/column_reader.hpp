@@ -22,7 +22,7 @@ inline std::optional<std::string> place_refusal(const std::optional<std::pair<Tr
         return std::nullopt;
     return fmt::format("is no joint of the scene that is not bonded; it has {} joints", last);
   }
-  if (column && column->second >= 0.0 && column->second <= scene.bar.length) return std::nullopt;
+  if (column && column->second >= 0.0 && !is_behind(column->second, scene.bar.length)) return std::nullopt;
   return fmt::format("is no place of the bar, 0 <= x <= {}, as in u@0.25", scene.bar.length);
 }
 

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <numbers>
 
@@ -160,6 +161,27 @@ TEST_F(Gauges, AtPlacesWithAnExponentAreReadAgain) {
       viscobar("fit small.toml --data out/gauges.csv --parameters bar.viscosity --set bar.viscosity=2e-9 --json");
   ASSERT_EQ(fit.code, 0) << fit.error;
   EXPECT_NEAR(fit.json()["parameters"]["bar.viscosity"]["estimate"].get<double>(), 1e-9, 1e-12);
+}
+
+// 0.7 + 0.1 is less than 0.8 by its rounding: that is the joint nevertheless, where the left bar is read, and the end.
+TEST_F(Gauges, AtJointsAndEndsAreThereUpToTheRoundingOfLengths) {
+  const std::string two =
+      "[[bar]]\nlength = 0.7\nviscosity = 0.1\nvelocity = -1.0\n[[bar]]\nlength = 0.1\nviscosity = 0.1\n";
+  const std::string rest =
+      "[left]\nkind = \"obstacle\"\ngap = 0.1\n[time]\nend = 1.0\n[mesh]\nelements = 40\n[output]\ngauges = ";
+  std::ofstream(directory_ / "two.toml") << two << rest << "[0.8]\n";
+  const auto ended = viscobar("run two.toml -q --no-estimate -o two");
+  EXPECT_EQ(ended.code, 0) << ended.error;
+  const auto fit = viscobar("fit two.toml --data two/gauges.csv --parameters bar.1.viscosity --json");
+  EXPECT_EQ(fit.code, 0) << fit.error;
+  std::ofstream(directory_ / "three.toml") << two << "[[bar]]\nlength = 0.5\nmodulus = 9.0\nviscosity = 0.1\n"
+                                           << rest << "[0.79999, 0.8]\n";
+  ASSERT_EQ(viscobar("run three.toml -q --no-estimate -o three").code, 0);
+  const std::string table = read_text(directory_ / "three" / "gauges.csv");
+  const std::string last = table.substr(table.rfind('\n', table.size() - 2) + 1);
+  double t, u, v, before, stress, at;
+  ASSERT_EQ(std::sscanf(last.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &u, &v, &before, &stress, &u, &v, &at), 8);
+  EXPECT_NEAR(at / before, 1.0, 0.01);
 }
 
 // Contact changes belong to the file before them; each --with has an order of its own.
