@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "case/scene_numbers.hpp"
 #include "input/scene_stop.hpp"
@@ -13,11 +15,6 @@
 namespace viscobar {
 
 namespace {
-
-bool is_list_of_tables(const TomlNode& node) {
-  return node.kind == TomlNode::Kind::array && !node.inside.empty() &&
-         std::ranges::all_of(node.inside, [](const TomlNode& one) { return one.kind == TomlNode::Kind::table; });
-}
 
 // The table for what a bar in line has of its own, where there is one bar alone.
 std::string_view table_of_own(std::string_view leaf) {
@@ -137,7 +134,7 @@ void number_members(TomlNode& root) {
   std::vector<TomlNode> all;
   std::optional<std::size_t> only;
   for (TomlNode& node : root.inside) {
-    if (!(node.key == "bar" || node.key == "joint") || !is_list_of_tables(node)) {
+    if (!(node.key == "bar" || node.key == "joint") || !node.is_list_of_tables()) {
       all.push_back(std::move(node));
       continue;
     }

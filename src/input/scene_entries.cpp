@@ -154,7 +154,7 @@ void SceneEntries::add_text(const std::string& text) {
       if (known == (find_scene_key(table, entry.key) != nullptr)) add(entry, written, table, end_.source);
     };
     for (const TomlNode& node : read.inside)
-      if (is_list_of_tables(node) && !is_scene_table(node.key)) {
+      if (node.is_list_of_tables() && !is_scene_table(node.key)) {
         if (known)
           report_at({end_.source, node.key_at}, node.key,
                     "unknown table; those of which there may be several are [[bar]] and [[joint]]");

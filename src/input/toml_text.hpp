@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -47,6 +48,11 @@ struct TomlNode {
   TomlValue value;  ///< of a table an OtherValue, or a SceneTable
   std::vector<TomlNode> inside;
   TextPosition key_at, value_at;
+
+  bool is_list_of_tables() const {
+    return kind == Kind::array && !inside.empty() &&
+           std::ranges::all_of(inside, [](const TomlNode& one) { return one.kind == Kind::table; });
+  }
 };
 
 TomlNode parse_toml(std::string_view text);
