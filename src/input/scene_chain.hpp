@@ -5,8 +5,8 @@
 
 namespace viscobar {
 
-/// Tables [[bar]] and [[joint]] have their numbers from here on, bar.1, bar.2; one [[bar]] alone is a [bar], and what it
-/// has of its own is the scene's.
+/// Tables [[bar]] and [[joint]] have their numbers from here on, bar.1, bar.2; one [[bar]] alone is a [bar], and what
+/// it has of its own is the scene's.
 void number_members(TomlNode& root);
 
 /// Given nodes of a bar of that length in parts of it; null: the key has none, or faulty ones.

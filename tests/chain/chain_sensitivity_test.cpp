@@ -401,7 +401,8 @@ TEST(ChainSensitivities, OfBarsThatBeginOnAnObstacleThatMoves) {
 // A bar, one or two bodies beyond it, a wall: the impulse of the wall is told by its law, or by the rows of all that is
 // held together with the outer body, which change as the contact between them does.
 TEST(ChainSensitivities, OfTheImpulseOnABodyThatABarMeets) {
-  const std::string body = "[[bar]]\nmass = 0.3\nvelocity = 0.2\n", contact = "[[joint]]\nkind = \"contact\"\ngap = 0.02\n";
+  const std::string body = "[[bar]]\nmass = 0.3\nvelocity = 0.2\n",
+                    contact = "[[joint]]\nkind = \"contact\"\ngap = 0.02\n";
   const std::string bar =
       "[[bar]]\nlength = 1.0\nviscosity = 0.05\nelements = 8\nvelocity = 0.6\nsection = \"1+0.3*x\"\n";
   const std::string ends =
