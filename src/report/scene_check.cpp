@@ -327,7 +327,7 @@ SceneCheck check_scene(const SceneFile& scene, const std::function<bool()>& stop
 std::string check_json(const SceneCheck& check) {
   const Case& run = check.setup.run;
   const BarSystem& system = check.system;
-  Json json;
+  Json json = Json::object();
   json["title"] = run.scene.title;
   json["method"] = name(run.method);
   json["method_requested"] = run.automatic ? automatic : name(run.method);

@@ -20,6 +20,8 @@ Json contact_json(const Scene& scene, const Outcome& outcome) {
     if (!there) return;
     Json& json = contacts[where];
     if (!account) return;
+    // An object from here on: [] would make null one before it has the memory for it, and the library fall over that.
+    json = Json::object();
     const auto& of = of_account();
     json["closings"] = of.closings;
     if constexpr (requires { of.openings; }) json["openings"] = of.openings;

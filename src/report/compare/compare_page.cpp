@@ -243,7 +243,7 @@ Json to_json(const MethodRun& run) {
 
 std::string json_text_of(const SceneFile& scene, const MethodChoice& choice, const Comparison& check) {
   const auto method = [&](std::size_t i) { return Json(check.runs[i].label); };
-  Json json;
+  Json json = Json::object();
   json["title"] = scene.run.scene.title;
   json["reference"] = check.reference ? method(*check.reference) : Json(nullptr);
   json["completed"] = check.completed();

@@ -127,7 +127,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result, const Num
 
 std::string json_text_of(const SceneFile& scene, const FitStudy& study, const FitResult& result) {
   const std::size_t n = result.parameters.size();
-  Json json;
+  Json json = Json::object();
   json["title"] = scene.run.scene.title;
   json["method"] = name(scene.run.method);
   json["parameters"] = Json::object();

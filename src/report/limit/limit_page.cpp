@@ -160,7 +160,7 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
   const std::size_t best = finest(result);
   const LimitOrders& orders = result.orders[best];
   const NumberText number = NumberText::terminal(study.scene.scene);
-  Json json;
+  Json json = Json::object();
   json["title"] = study.scene.scene.title;
   json["completed"] = result.failed.empty() && std::ranges::none_of(result.orders, &LimitOrders::interrupted);
   json["verdict"] = name(orders.verdict);

@@ -80,7 +80,7 @@ void for_each_advice(const PrecisionResult& result, const NumberText& number, au
 
 std::string json_text_of(const SceneFile& scene, const PrecisionStudy& study, const PrecisionResult& result) {
   const NumberText number = NumberText::terminal(study.scene.scene);
-  Json json;
+  Json json = Json::object();
   json["title"] = study.scene.scene.title;
   json["completed"] = std::ranges::all_of(result.rows, [](const PrecisionRow& row) { return row.failure.empty(); });
   json["norm"] = norm(result, number);
