@@ -76,11 +76,11 @@ class Junction {
     double s;
     std::size_t link;
     Change change;
-    double velocity;    ///< before a closing, after an opening: of the body beside the ground, or of b against a
-    double impulse;     ///< of the link so far, the blow of an impact not counted
-    ContactPeak peak;   ///< of the contact that ends, by parts of the window
-    double lost;        ///< energy
-    double work = 0.0;  ///< of ground, by a blow
+    double velocity;    ///< of the body beside the ground, or of side b against a: before a closing, after an opening
+    double impulse;     ///< that the link has given so far, without the blow of an impact
+    ContactPeak peak;   ///< that the contact which ends has had, its time in windows
+    double lost;        ///< energy that the change takes
+    double work = 0.0;  ///< energy that the ground gives by a blow
   };
   const std::vector<Turn>& turns() const { return turns_; }  ///< of the window, in order
 
@@ -144,7 +144,8 @@ class Junction {
     double mass = 0.0, impedance = 0.0, dashpot = 0.0;  // impedance: of faces and dashpot
     bool held = false, end = false;                     // ground; the range of an end is kept
     const EndInput* input = nullptr;                    // its force, or the motion of ground
-    double momentum = 0.0, carried = 0.0;               // of the start; a mass on an end, which moves as that does
+    double momentum = 0.0;                              // at the start, of `mass`
+    double carried = 0.0;                               // mass on an end, which starts with the velocity of that
     std::string key = {};
     Piecewise moved = {};  // its velocity in the window
   };

@@ -171,10 +171,6 @@ std::string_view line_of(std::string_view text, std::size_t number) {
   return text.substr(0, text.find('\n'));
 }
 
-}  // namespace
-
-namespace {
-
 // Where its stream finds no memory, the library takes a number for something else: such a text is sound the next time.
 toml::table parsed(std::string_view text) {
   try {

@@ -148,9 +148,10 @@ void Sensitivities::shift_to_change(const Moment& at, std::size_t i, std::span<d
   });
 }
 
-// An obstacle before a rigid body that another contact meets. Its force R jumps where any contact changes, and which
-// rows tell it may change. With the momentum p of these rows, and that of those that take part in a blow, the impulse
-// gains p' + R dt*/dp before and loses it after, and gains what p' of the latter grows by from s- to s+.
+// An obstacle before a rigid body that another contact meets. Its force R jumps where any contact changes, and other
+// rows may tell it from there on. p is the momentum of the rows that tell it, q that of the rows that a blow strikes.
+// The impulse gains p' + R dt*/dp before the change and loses the same after it. Between the two it gains what q' grows
+// by, from s- to s+.
 void Sensitivities::find_reactions(const Moment& at) {
   for (const bool right : {false, true})
     if (const auto i = contact_of_body(contacts_, right))

@@ -106,9 +106,9 @@ TEST(ChainAccounts, AContactKeepsItsPeakWhereAnotherChanges) {
   }
 }
 
-// Without rebound, zeta = 1, the force begins with its largest value c v, c = 2 (m / epsilon)^(1/2), m that of the
-// bodies or of a body and the node of a bar, 0.8 h / 2. The first steps behind the closing are so short that they tell
-// it by roundings.
+// Without rebound zeta is 1, and the force is largest as it begins: c v with c = 2 (m / epsilon)^(1/2). Of two bodies m
+// is the mass of their impact, and the node of the bar has the mass 0.8 h / 2. The first steps behind the closing are
+// so short that they tell the force by roundings.
 TEST(ChainAccounts, ADashpotBeginsWithThePeakOfItsContact) {
   const std::string bodies =
       "[[bar]]\nmass = 2.0\nvelocity = 1.0\n[[bar]]\nmass = 1.0\nvelocity = 0.0\n[[bar]]\nlength = 1.0\nviscosity = "

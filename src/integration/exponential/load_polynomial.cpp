@@ -52,9 +52,9 @@ const Chebyshev& chebyshev() {
 // Below it a number has lost digits.
 constexpr double smallest = std::numeric_limits<double>::min();
 
-// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it. What a pass
-// leaves is mostly its rounding, within the span, while it makes the rest much less. (The square of a load of 1e-200 is
-// 0: norms are Eigen's stable ones.)
+// Adds the part of `sample` outside the span of the orthonormal `basis` when rounding cannot explain it. A pass that
+// shrinks the rest a lot leaves its own rounding in it, which lies within the span: then another pass follows. (The
+// square of a load of 1e-200 is 0: norms are Eigen's stable ones.)
 void extend(MatrixXd& basis, const Eigen::VectorXd& sample, double largest) {
   const double nothing = std::max(8.0 * std::numeric_limits<double>::epsilon() * largest, smallest);
   Eigen::VectorXd rest = sample;
