@@ -179,25 +179,29 @@ Lift LoadVector::lift(double t, int derivative) const {
 // The given forces, of which a fixed end has none, and in a frame that moves -(E K + eta K) of what is linear in one
 // bar, and what that does to the supports.
 std::array<double, 2> LoadVector::end_forces(double t) const {
-  std::array<double, 2> forces{};
+  t = inside(t);
+  std::array<double, 2> forces{}, of_lift{};
   for (const bool right : {false, true})
     if (const auto& force = system_.inputs()[right].force; force && load_->varying_forces)
       forces[right] = finite_load(
           t, [&] { return force->value(t); },
           [&] { return fmt::format("the force at the {} end at t = {}", right ? "right" : "left", t); });
-  if (!system_.frame().moving()) return forces;
-  const Lift at = lift(t, 0), rate = lift(t, 1);
-  const Bar& bar = system_.bar();
-  const double pull = system_.elements().is_chain()
-                          ? 0.0
-                          : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) /
-                                system_.elements().whole_stretch();
-  std::array<double, 2> of_lift = {pull, -pull};
-  for (const Support& support : system_.supports()) {
-    const bool right = system_.unknowns().is_right(support.unknown);
-    of_lift[right] -= support.stiffness * at.of(right) + support.dashpot * rate.of(right);
+  if (system_.frame().moving()) {
+    const Lift at = lift(t, 0), rate = lift(t, 1);
+    const Bar& bar = system_.bar();
+    const double pull = system_.elements().is_chain()
+                            ? 0.0
+                            : (bar.modulus * (at.right - at.left) + bar.viscosity * (rate.right - rate.left)) /
+                                  system_.elements().whole_stretch();
+    of_lift = {pull, -pull};
+    for (const Support& support : system_.supports()) {
+      const bool right = system_.unknowns().is_right(support.unknown);
+      of_lift[right] -= support.stiffness * at.of(right) + support.dashpot * rate.of(right);
+    }
   }
-  return {forces[0] + of_lift[0], forces[1] + of_lift[1]};
+  for (const bool right : {false, true})
+    forces[right] = system_.unknowns().wall(right) ? 0.0 : forces[right] + of_lift[right];
+  return forces;
 }
 
 void LoadVector::add_inputs(double t) {
@@ -211,8 +215,8 @@ void LoadVector::add_inputs(double t) {
         weighted_[i] += system_.frame().inner_force(displacement, velocity, i);
     }
   }
-  if (!system_.unknowns().left_fixed()) weighted_.front() += forces[0];
-  if (!system_.unknowns().right_fixed()) weighted_.back() += forces[1];
+  weighted_.front() += forces[0];
+  weighted_.back() += forces[1];
 }
 
 double LoadVector::at(double t, std::size_t unknown) const {
@@ -221,8 +225,7 @@ double LoadVector::at(double t, std::size_t unknown) const {
   double sum = distributed(t, unknown + system_.unknowns().first_node());
   if (!difference_.empty())
     sum += load_->difference->times * (difference_[0].at(t, unknown) - difference_[1].at(t, unknown));
-  const bool left = unknown == 0 && !system_.unknowns().left_fixed();
-  const bool right = unknown + 1 == system_.size() && !system_.unknowns().right_fixed();
+  const bool left = unknown == 0, right = unknown + 1 == system_.size();
   if (left || right) {
     const std::array<double, 2> forces = end_forces(t);
     sum += (left ? forces[0] : 0.0) + (right ? forces[1] : 0.0);
@@ -233,10 +236,12 @@ double LoadVector::at(double t, std::size_t unknown) const {
   return sum - system_.frame().inertial_force(acceleration, unknown);
 }
 
-const std::vector<double>* LoadVector::profile() const {
-  const auto* separable = load_as<NodalLoad::Separable>();
-  const bool alone = separable && !load_->varying_forces && !system_.frame().moving() && difference_.empty();
-  return alone ? &separable->weighted : nullptr;
+std::optional<std::span<const double>> LoadVector::profile() const {
+  if (!load_ || system_.frame().moving() || !difference_.empty()) return std::nullopt;
+  if (!load_->distributed) return std::span<const double>();
+  if (const auto* steady = load_as<NodalLoad::Steady>()) return steady->weighted;
+  if (const auto* separable = load_as<NodalLoad::Separable>()) return separable->weighted;
+  return std::nullopt;
 }
 
 std::optional<double> LoadVector::factor(std::size_t unknown) const {
@@ -246,7 +251,9 @@ std::optional<double> LoadVector::factor(std::size_t unknown) const {
   return separable->weighted[unknown];
 }
 
-double LoadVector::history(double t) const { return separable_history(inside(t)); }
+double LoadVector::history(double t) const {
+  return load_as<NodalLoad::Separable>() ? separable_history(inside(t)) : 1.0;
+}
 
 double LoadVector::separable_history(double t) const {
   if (history_time_ != t) history_ = history_at(load_as<NodalLoad::Separable>()->history, t), history_time_ = t;

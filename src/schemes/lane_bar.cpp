@@ -174,7 +174,9 @@ LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
       order_(order),
       scale_(scale_of(system)),
       relaxation_(system.bar().viscosity / system.bar().modulus) {
-  if (system.elements().rows_alike() || order.rows == 0) return;
+  if (order.rows == 0) return;
+  take_edges();
+  if (system.elements().rows_alike()) return;
   const std::size_t elements = system.mesh().elements;
   bool alike = true;
   std::vector<double> elastic(elements);
@@ -182,7 +184,6 @@ LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
     elastic[e] = 1.0 / system.elements().stretch(e);
     alike &= !system.bar().damped() || system.elements().rate_stretch(e) == system.elements().stretch(e);
   }
-  take_edges();
   elastic_ = weights(elastic);
   if (!alike) viscous_ = weights(system.elements().rate_weights());
 }
@@ -329,68 +330,51 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
 // As the following sum, all is inlined: which operations are contracted would else depend on the processor's level.
 [[gnu::flatten]] double LaneBar::squared_strain_rate(std::span<const double> p, double lever,
                                                      std::span<const double> a) const {
-  const std::size_t n = order_.size, rows = order_.rows;
+  const std::size_t n = order_.size;
+  const bool alike = system_.elements().rows_alike();
+  const std::vector<double>& weights = system_.elements().rate_weights();
   const auto node = [=, p = p.data(), a = a.data()](std::size_t i) { return p[i] + lever * a[i]; };
-  const auto squared = [&](std::size_t i, std::size_t j) { return (node(j) - node(i)) * (node(j) - node(i)); };
-  // Squares of the differences between nodes from i and from j on.
-  const auto pairs = [=, p = p.data(), a = a.data()](std::size_t i, std::size_t j) {
-    return [=](auto&& at) {
-      const Lanes difference = at(p + j) + lever * at(a + j) - (at(p + i) + lever * at(a + i));
+  double sum = 0.0;
+  if (order_.rows == 0) {
+    const auto squares = [ lever, p = p.data(), a = a.data() ](auto&& at) __attribute__((always_inline)) {
+      const Lanes difference = at(p + 1) + lever * at(a + 1) - (at(p) + lever * at(a));
       return Lanes(difference * difference);
     };
-  };
-  // The sum over rows beside each other, as weighted(k, squares) has them.
-  const auto of_rows = [&](auto&& weighted) {
-    const auto row = [&](std::size_t k) {
-      return load_lanes(&p[order_.row(k)]) + lever * load_lanes(&a[order_.row(k)]);
-    };
-    Lanes here = row(0), sums = 0.0;
-    for (std::size_t k = 1; k < rows; ++k) {
-      const Lanes next = row(k), difference = next - here;
-      sums += weighted(k, difference * difference);
-      here = next;
+    sum = alike ? sum_by_lanes(n - 1, squares)
+                : sum_by_lanes(n - 1, [=, of = &weights[system_.unknowns().first_node()]](auto&& at) {
+                    return squares(at) * at(of);
+                  });
+  } else {
+    const Weights& of = viscous_.of_rows.empty() ? elastic_ : viscous_;
+    const double *const begin = p.data(), *const change = a.data();
+    double* const differences = stresses_.data();
+    const std::size_t last = edges_.size() - 1;
+    for (std::size_t e = 1; e < last; ++e) {
+      const auto [i, j, element] = edges_[e];
+      differences[e] = begin[j] - begin[i] + lever * (change[j] - change[i]);
     }
-    return sum_of(sums);
-  };
-  double sum = 0.0;
-  if (!system_.elements().rows_alike()) {
-    const std::vector<double>& weights = system_.elements().rate_weights();
-    if (rows == 0) {
-      sum = sum_by_lanes(n - 1, [squares = pairs(0, 1), of = &weights[system_.unknowns().first_node()]](auto&& at) {
-        return squares(at) * at(of);
-      });
-    } else {
-      const Weights& of = viscous_.of_rows.empty() ? elastic_ : viscous_;
-      const double *const of_edges = of.of_edges.data(), *const begin = p.data(), *const change = a.data();
-      double* const differences = stresses_.data();
-      const std::size_t last = edges_.size() - 1;
-      for (std::size_t e = 1; e < last; ++e) {
-        const auto [i, j, element] = edges_[e];
-        differences[e] = begin[j] - begin[i] + lever * (change[j] - change[i]);
+    const auto sums = [&](auto&& of_row, auto&& of_edge) __attribute__((always_inline)) {
+      const auto row = [&](std::size_t k) {
+        return load_lanes(begin + order_.row(k)) + lever * load_lanes(change + order_.row(k));
+      };
+      Lanes here = row(0), of_rows = 0.0;
+      for (std::size_t k = 1; k < order_.rows; ++k) {
+        const Lanes next = row(k), difference = next - here;
+        of_rows += of_row(k, difference * difference);
+        here = next;
       }
-      sum = sum_by_lanes(last - 1,
-                         [x = differences + 1, of = of_edges + 1](auto&& at) { return at(of) * (at(x) * at(x)); });
-      sum += of_rows([rows = of.of_rows.data()](std::size_t k, const Lanes& squares) { return rows[k] * squares; });
-    }
-    if (system_.unknowns().left_fixed()) sum += node(0) * node(0) * weights.front();
-    if (system_.unknowns().right_fixed()) sum += node(n - 1) * node(n - 1) * weights.back();
-    return sum;
+      return sum_by_lanes(last - 1, [&, x = differences + 1](auto&& at) { return of_edge(at, at(x) * at(x)); }) +
+             sum_of(of_rows);
+    };
+    sum = alike
+              ? sums([](std::size_t, const Lanes& squares) { return squares; },
+                     [](auto&&, const Lanes& squares) { return squares; })
+              : sums([rows = of.of_rows.data()](std::size_t k, const Lanes& squares) { return rows[k] * squares; },
+                     [edges = of.of_edges.data() + 1](auto&& at, const Lanes& squares) { return at(edges) * squares; });
   }
-  sum = sum_by_lanes((rows > 0 ? order_.first : n) - 1, pairs(0, 1));
-  if (rows > 0) {
-    const std::size_t separators = order_.row(rows), end = separators + lane_count;
-    sum += squared(order_.first - 1, order_.first) + squared(end - 1, end);
-    sum += sum_by_lanes(lane_count - 1, pairs(separators, order_.first + 1));
-    sum += of_rows([](std::size_t, const Lanes& squares) { return squares; });
-    const Lanes last = load_lanes(&p[separators]) + lever * load_lanes(&a[separators]);
-    const Lanes difference =
-        last - load_lanes(&p[separators - lane_count]) - lever * load_lanes(&a[separators - lane_count]);
-    sum += sum_of(difference * difference);
-    sum += sum_by_lanes(n - end - 1, pairs(end, end + 1));
-  }
-  if (system_.unknowns().left_fixed()) sum += node(0) * node(0);
-  if (system_.unknowns().right_fixed()) sum += node(n - 1) * node(n - 1);
-  return sum / system_.mesh().spacing();
+  if (system_.unknowns().left_fixed()) sum += node(0) * node(0) * (alike ? 1.0 : weights.front());
+  if (system_.unknowns().right_fixed()) sum += node(n - 1) * node(n - 1) * (alike ? 1.0 : weights.back());
+  return alike ? sum / system_.mesh().spacing() : sum;
 }
 
 [[gnu::flatten]] double power(std::span<const double> load, std::span<const double> p, double lever,

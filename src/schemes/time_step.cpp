@@ -85,9 +85,9 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
     solves_ = ends.size();
   }
   if (system.loaded()) load_.emplace(system, dt_);
-  if (const auto* profile = load_ ? load_->profile() : nullptr; profile && order_.rows > 0) {
+  if (const auto profile = load_ ? load_->profile() : std::nullopt; profile && !load_->steady() && order_.rows > 0) {
     profile_.resize(system.size());
-    order_.from_nodes(*profile, profile_);
+    if (!profile->empty()) order_.from_nodes(*profile, profile_);
   }
   if (load_ && end && !load_->steady() && !system.frame().moving()) {
     load_begin_ = begin, load_end_ = *end;
@@ -291,6 +291,8 @@ void TimeStep::evaluate_load(double t) {
     const double now = load_->history(t);
     const std::span<double> out = fields_[4];
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = now * profile_[i];
+    const auto [left, right] = load_->end_forces(t);
+    out.front() += left, out.back() += right;
     load_now_ = out;
     return;
   }

@@ -43,11 +43,13 @@ class LoadVector {
   /// The time at which at(t) evaluates the load.
   double inside(double t) const { return std::clamp(t, first_, last_); }
 
-  /// Where M f(t) is a function of time alone times one vector, that vector: M f(t) = history(t) profile().
-  const std::vector<double>* profile() const;
+  /// Where M f(t) = history(t) profile() but for end_forces(t) on the first and the last unknown, that vector, which
+  /// is empty where there are those forces alone.
+  std::optional<std::span<const double>> profile() const;
   /// Where (M f)_i is the same function of time times a number, that number.
   std::optional<double> factor(std::size_t unknown) const;
-  double history(double t) const;  ///< not counted @throws LoadError
+  double history(double t) const;                    ///< not counted @throws LoadError
+  std::array<double, 2> end_forces(double t) const;  ///< of ends that are not fixed; not counted @throws LoadError
 
   bool steady() const { return steady_; }                   ///< the same at all times
   std::size_t evaluations() const { return evaluations_; }  ///< of the load's functions of time
@@ -63,7 +65,6 @@ class LoadVector {
   double distributed(double t, std::size_t node) const;
   double separable_history(double t) const;
   void add_inputs(double t);
-  std::array<double, 2> end_forces(double t) const;
   Lift lift(double t, int derivative) const;
 
   const BarSystem& system_;  // outlives this
