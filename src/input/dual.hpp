@@ -9,9 +9,6 @@ namespace viscobar {
 
 using std::cos, std::exp, std::log, std::sin, std::sqrt, std::tan;
 
-/// A square rounds less than a power of the library and takes a tenth of its time.
-inline double power(double a, double b) { return b == 2.0 ? a * a : std::pow(a, b); }
-
 inline bool is_zero(double a) { return a == 0.0; }
 
 /// The value alone, which conditions look at.

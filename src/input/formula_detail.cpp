@@ -6,12 +6,13 @@
 #include <utility>
 
 #include "input/formula_tree.hpp"
+#include "input/known.hpp"
 
 namespace viscobar {
 
 namespace {
 
-constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, pulses = 0.5, finest = 1e-9,
+constexpr double far_from_linear = 1.0 / 50, coarse = 1.0 / 128, shorter = coarse / 8.0, pulses = 0.5, finest = 1e-9,
                  narrowest = 1e-4;  // shares
 constexpr std::size_t most_halvings = 20000, most_stretches = 1000;
 
@@ -52,30 +53,34 @@ std::optional<double> FormulaDetail::operator()(double after, double until) {
   // Waves ask for one passage after the other.
   if (until > until_) {
     until_ = until_ > 0.0 ? 2.0 * until : until;
-    find();
+    // Copies of one density, of the scene, its estimates and its judges, look in the same interval.
+    static Known<std::tuple<std::shared_ptr<const FormulaTree>, double, double>, Places> all;
+    places_ = along_x_ ? find() : all({tree_, whole_.high, until_}, [this] { return find(); });
   }
-  const auto next = std::ranges::upper_bound(places_, after);
-  return next != places_.end() && *next < until ? std::optional(*next) : std::nullopt;
+  const auto next = std::ranges::upper_bound(*places_, after);
+  return next != places_->end() && *next < until ? std::optional(*next) : std::nullopt;
 }
 
-void FormulaDetail::find() {
+FormulaDetail::Places FormulaDetail::find() {
   constexpr int levels = 4;
-  places_.clear();
+  std::vector<double> places;
   rounding_ = 64.0 * std::numeric_limits<double>::epsilon() * until_;
   Stretches rest{{0.0, until_}};
   for (int level = 0; level < (along_x_ ? 1 : levels); ++level) {
     const double largest = this->largest(rest);
     if (largest == 0.0) break;
     allowed_ = far_from_linear * largest;
-    search(rest, coarse);
+    search(rest);
+    take_shorter_than(coarse);
     // Beside what goes on all the time a pulse is far shorter.
-    if (!along_x_ && quiet_ < pulses * until_) search(rest, coarse / 8.0);
+    if (!along_x_ && quiet_ < pulses * until_) take_shorter_than(shorter);
     if (found_.empty() || (!along_x_ && covered_ > pulses * until_)) break;
     for (const Stretch& one : found_)
-      if (!is_flank(one, rest)) places_.insert(places_.end(), one.places.begin(), one.places.end());
+      if (!is_flank(one, rest)) places.insert(places.end(), one.places.begin(), one.places.end());
     rest = without(rest, found_);
   }
-  std::ranges::sort(places_);
+  std::ranges::sort(places);
+  return std::make_shared<const std::vector<double>>(std::move(places));
 }
 
 // True if it goes on from a larger pulse, and is largest there.
@@ -137,11 +142,10 @@ double FormulaDetail::largest(const Stretches& rest) {
   return std::isfinite(most_of_all) ? std::min(most_of_all, 2.0 * met) : 0.0;
 }
 
-void FormulaDetail::search(const Stretches& rest, double share) {
-  found_.clear();
+void FormulaDetail::search(const Stretches& rest) {
+  parts_.clear();
   effort_ = 0;
   covered_ = 0.0, quiet_ = until_;
-  coarse_ = share * until_;
   // Breaks may have a limit, as those of sin(1/x) > 0.
   std::size_t stretches = 0;
   const std::size_t others = others_.size();
@@ -153,6 +157,25 @@ void FormulaDetail::search(const Stretches& rest, double share) {
         end = travelling_.first(others_[k].low, begin + rounding_, end).value_or(end);
       divide(begin, end, 0, others);
     }
+}
+
+// Neighbours make one stretch, which has no place within it where steps see all.
+void FormulaDetail::take_shorter_than(double share) {
+  found_.clear();
+  covered_ = 0.0;
+  bool steady_before = false;
+  for (const auto& [begin, end, steady] : parts_) {
+    if (end - begin < share * until_) {
+      covered_ += end - begin;
+      if (found_.empty() || found_.back().end < begin)
+        found_.push_back({begin, end, {begin}});
+      else if (steady && steady_before)
+        found_.back().places.pop_back();
+      found_.back().places.push_back(end);
+      found_.back().end = end;
+    }
+    steady_before = steady;
+  }
 }
 
 // Bounds there, for those values of the other variable.
@@ -200,17 +223,8 @@ void FormulaDetail::divide(double begin, double end, std::size_t first, std::siz
   }
   others_.resize(rough);
   if (range <= allowed_) quiet_ += size;
-  const bool steady = !along_x_ && slowest > fastest / 4.0;
-  if (size < coarse_) {
-    covered_ += size;
-    if (found_.empty() || found_.back().end < begin)
-      found_.push_back({begin, end, {begin}});
-    else if (steady && steady_)
-      found_.back().places.pop_back();
-    found_.back().places.push_back(end);
-    found_.back().end = end;
-  }
-  steady_ = steady;
+  if (size < shorter * until_) covered_ += size;
+  parts_.push_back({begin, end, !along_x_ && slowest > fastest / 4.0});
 }
 
 }  // namespace viscobar

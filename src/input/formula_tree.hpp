@@ -185,8 +185,9 @@ class FormulaDetail {
   std::optional<double> operator()(double after, double until);
 
  private:
+  using Places = std::shared_ptr<const std::vector<double>>;
   void bound(const Jet& s);
-  void find();
+  Places find();
   struct Stretch {
     double begin, end;
     std::vector<double> places{};
@@ -195,23 +196,29 @@ class FormulaDetail {
   static Stretches without(const Stretches& all, const Stretches& some);
   double largest(const Stretches& rest);
   bool is_flank(const Stretch& one, const Stretches& rest);
-  void search(const Stretches& rest, double share);
+  void search(const Stretches& rest);
+  void take_shorter_than(double share);
   Jet over(const Jet& s, Interval other);
   void divide(double begin, double end, std::size_t first, std::size_t count);
 
   std::shared_ptr<const FormulaTree> tree_;
   FormulaSwitches switches_, travelling_;
   std::vector<Jet> jets_, middle_;
-  std::vector<double> places_;
-  Stretches found_;  // by a search
+  Places places_;
+  // Found by a search, of lines each; where something goes on that always changes about as fast it is steady.
+  struct Part {
+    double begin, end;
+    bool steady;
+  };
+  std::vector<Part> parts_;
+  Stretches found_;  // of them
   bool along_x_;
   const Interval whole_;  // of the other variable
   // Values of it: those of the whole search, and behind them what each halving has left; those to be looked at.
   std::vector<Interval> others_, pending_;
   Jet other_;
-  double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0, coarse_ = 0.0;
+  double until_ = 0.0, rounding_ = 0.0, allowed_ = 0.0, covered_ = 0.0, quiet_ = 0.0;
   std::size_t effort_ = 0;
-  bool steady_ = false;
 };
 
 }  // namespace viscobar

@@ -76,15 +76,18 @@ inline Interval tan(Interval a) {
   return pole ? any_number : hull({std::tan(a.low), std::tan(a.high)});
 }
 
+/// A square rounds less than a power of the library, and takes a tenth of its time.
+inline double power(double a, double b) { return b == 2.0 ? a * a : b == 1.0 ? a : std::pow(a, b); }
+
 inline Interval power(Interval a, Interval b) {
   const double n = b.low;
   if (b.is(n) && n == std::trunc(n)) {
     if (n < 0.0 && a.holds(0.0)) return any_number;
-    const Interval ends = hull({std::pow(a.low, n), std::pow(a.high, n)});
+    const Interval ends = hull({power(a.low, n), power(a.high, n)});
     return n > 0.0 && std::fmod(n, 2.0) == 0.0 && a.holds(0.0) ? Interval{0.0, ends.high} : ends;
   }
   if (a.low < 0.0) return any_number;
-  return hull({std::pow(a.low, b.low), std::pow(a.low, b.high), std::pow(a.high, b.low), std::pow(a.high, b.high)});
+  return hull({power(a.low, b.low), power(a.low, b.high), power(a.high, b.low), power(a.high, b.high)});
 }
 
 /// 1 where all numbers of the interval are true, that is not 0, 0 where none is, and both where some are.

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "dynamics/pieces.hpp"
+#include "scene/times.hpp"
 
 namespace viscobar::accuracy {
 
@@ -98,8 +99,9 @@ void DataError::add_general(const GeneralLoad& load, const Case& run) {
   std::vector<double> times = {0.21 * run.end, 0.52 * run.end, 0.83 * run.end};
   if (load.breaks) {
     double last = 0.0;
-    for (auto at = load.breaks(0.0, run.end); at && times.size() < most;
-         at = load.breaks(*at + rounding * run.end, run.end)) {
+    const double until = run.end + rounding_of_times(0.0, run.end);  // as runs ask: breaks are looked for once
+    for (auto at = load.breaks(0.0, until); at && times.size() < most;
+         at = load.breaks(*at + rounding * run.end, until)) {
       times.push_back(last + (*at - last) / 2.0);
       last = *at;
     }
