@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -44,6 +45,7 @@ LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), 
   if (const auto* separable = load_as<NodalLoad::Separable>()) breaks_.push_back(separable->breaks);
   if (const auto* general = load_as<NodalLoad::General>()) {
     nodal_.resize(2 * system.mesh().nodes());
+    for (std::size_t j = 0; j < system.mesh().nodes(); ++j) nodes_.push_back(system.mesh().node(j));
     breaks_.push_back(general->breaks);
     breaks_at_ = general->breaks_at;
   }
@@ -133,6 +135,16 @@ std::span<const double> LoadVector::at(double t) {
   return weighted_;
 }
 
+// At all nodes at once, where it can; one that is not finite is named by density_at().
+void LoadVector::density_at_nodes(const SpaceTimeFunction& density, double t, std::span<double> values) const {
+  if (const auto* rows = density.target<RowFunction>())
+    rows->row(nodes_, t, values);
+  else
+    for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(density, nodes_[j], t);
+  for (std::size_t j = 0; j < values.size(); ++j)
+    if (!std::isfinite(values[j])) density_at(density, nodes_[j], t);
+}
+
 void LoadVector::find_distributed(double t) {
   if (!load_ || !load_->distributed) {
     std::ranges::fill(weighted_, 0.0);
@@ -150,7 +162,7 @@ void LoadVector::find_distributed(double t) {
       std::ranges::fill(product, 0.0);
       add_moments(t, 0, mesh.elements, [&](std::size_t j, double part) { product[j] += part; });
     } else {
-      for (std::size_t j = 0; j < values.size(); ++j) values[j] = density_at(general.density, mesh.node(j), t);
+      density_at_nodes(general.density, t, values);
       general.mass.multiply(values, product);
     }
     std::ranges::copy(product.subspan(system_.unknowns().first_node(), weighted_.size()), weighted_.begin());

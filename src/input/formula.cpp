@@ -134,7 +134,8 @@ SpaceTimeFunction Formula::of_x_t() const {
   if (series_)
     return [series = series_, of_x = variable_ == 'x'](double x, double t) { return (*series)(of_x ? x : t); };
   if (is_constant()) return [value = constant()](double, double) { return value; };
-  return [tree = tree_](double x, double t) { return (*tree)(x, t); };
+  return RowFunction{[tree = tree_](double x, double t) { return (*tree)(x, t); },
+                     [tree = tree_](std::span<const double> x, double t, std::span<double> f) { tree->row(x, t, f); }};
 }
 
 NextBreak Formula::breaks() const {

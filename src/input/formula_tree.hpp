@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,6 +14,7 @@
 
 #include "input/dual.hpp"
 #include "input/formula.hpp"
+#include "input/row.hpp"
 
 namespace viscobar {
 
@@ -62,8 +65,8 @@ struct FormulaTree {
   }
 
   /// Numbers of x, t, those that `number` makes of the numbers, and of all nodes into `out`, that of the first node,
-  /// with the others before. `done` may narrow one before those it is a part of are computed. In bounds of intervals
-  /// both branches count.
+  /// with the others before. `done` may narrow one before those it is a part of are computed. In bounds of intervals,
+  /// and in rows, both branches count.
   template <class N, class OfNumber, class Done>
   void evaluate(const N& at_x, const N& at_t, N* out, OfNumber&& number, Done&& done) const;
 
@@ -79,6 +82,17 @@ struct FormulaTree {
   double operator()(double at_x, double at_t) const {
     return at(at_x, at_t, [](const Number& number) { return number.value; });
   }
+  void row(std::span<const double> at_x, double at_t, std::span<double> f) const {
+    for (std::size_t done = 0; done < at_x.size(); done += Row::count) {
+      const std::size_t some = std::min(Row::count, at_x.size() - done);
+      Row some_x(at_x[done]);
+      some_x.same = false;
+      std::ranges::fill(std::ranges::copy(at_x.subspan(done, some), some_x.values.begin()).out, some_x.values.end(),
+                        at_x[done]);
+      const Row of = at(some_x, Row(at_t), [](const Number& number) { return Row(number.value); });
+      for (std::size_t i = 0; i < some; ++i) f[done + i] = of.values[of.same ? 0 : i];
+    }
+  }
   static Jet bound(const Number& number) { return {hull({number.value, number.value}), {}}; }
 };
 
@@ -89,7 +103,7 @@ inline bool is_condition(FormulaTree::Operation operation) {
 template <class N, class OfNumber, class Done>
 void FormulaTree::evaluate(const N& at_x, const N& at_t, N* out, OfNumber&& number, Done&& done) const {
   using std::abs, std::min, std::max;
-  constexpr bool of_values = !std::is_same_v<N, Jet>;
+  constexpr bool of_values = !std::is_same_v<N, Jet> && !std::is_same_v<N, Row>;
   out[x] = at_x;
   out[t] = at_t;
   for (std::size_t k = 0; k < numbers.size(); ++k) out[first_number - static_cast<int>(k)] = number(numbers[k]);

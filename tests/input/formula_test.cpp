@@ -246,6 +246,34 @@ TEST(Formula, HasTheValueOfTheSameOperationsInCppToTheLastDigit) {
   EXPECT_GT(compared, 15000);
 }
 
+TEST(Formula, HasTheSameDigitsAtManyPlacesAtOnceAsAtEach) {
+  Maker maker;
+  int compared = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::string text;
+    std::optional<Formula> formula;
+    try {
+      text = maker.any(1 + i % 5).text;
+      formula.emplace(text, "xt", Parameters{{"p_1", 0.7}});
+    } catch (const FormulaError&) {
+      continue;
+    }
+    const SpaceTimeFunction f = formula->of_x_t();
+    const auto* rows = f.target<RowFunction>();
+    if (!rows) continue;
+    std::vector<double> x(1 + i % 75), values(x.size());
+    for (std::size_t j = 0; j < x.size(); ++j) x[j] = 0.3 * static_cast<double>(j % 8);
+    rows->row(x, maker.t, values);
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      const double value = f(x[j], maker.t);
+      EXPECT_TRUE(value == values[j] || (std::isnan(value) && std::isnan(values[j])))
+          << text << " at " << x[j] << ": " << values[j] << " for " << value;
+      compared += x[j] > 0.0;
+    }
+  }
+  EXPECT_GT(compared, 200000);
+}
+
 TEST(Formula, CannotChangeItsVariables) {
   for (const char* text : {"x = 3", "x=3", "(x = 3) + 1", "x === 1", "x == = 1", "x += 1", "t = 1"})
     EXPECT_NE(complaint_about(text, "xt"), "") << text;

@@ -59,6 +59,7 @@ class LoadVector {
   const Kind* load_as() const;
   double next_break(double after, double until);
   bool breaks_within(double from, double to) const;
+  void density_at_nodes(const SpaceTimeFunction& density, double t, std::span<double> values) const;
   void find_distributed(double t);
   template <class Add>
   void add_moments(double t, std::size_t first, std::size_t last, Add&& add) const;  // of elements [first, last)
@@ -71,8 +72,8 @@ class LoadVector {
   const NodalLoad* load_;    // of the system; null: its frame alone
   double step_;
   bool steady_;
-  std::vector<double> nodal_, weighted_;
-  std::vector<LoadVector> difference_;  // loads of the two systems of Difference, or none
+  std::vector<double> nodes_, nodal_, weighted_;  // the first two of a load in x and t
+  std::vector<LoadVector> difference_;            // loads of the two systems of Difference, or none
   std::optional<double> time_;
   mutable std::optional<double> history_time_;  // of history_, which many nodes ask for at one time
   mutable double history_ = 0.0;
