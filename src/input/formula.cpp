@@ -80,6 +80,58 @@ SpaceTimeFunction derived(const Tree& tree, const std::array<std::string_view, c
   };
 }
 
+// A factor of a product, and the nodes it is made of, from the first to its own.
+struct Factor {
+  int first, root;
+  bool divides;
+};
+
+// The nodes of an operand lie behind those of the one before it. Returns true if the product has a minus.
+bool take_factors(const FormulaTree& tree, int first, int root, bool divides, std::vector<Factor>& all) {
+  const FormulaTree::Node* const node = root >= 0 ? &tree.nodes[static_cast<std::size_t>(root)] : nullptr;
+  const Operation operation = node ? node->operation : Operation::choose;
+  if (operation == Operation::negate) return !take_factors(tree, first, node->of[0], divides, all);
+  if (operation == Operation::multiply || operation == Operation::divide) {
+    const int a = node->of[0];
+    const bool minus = take_factors(tree, first, a, divides, all);
+    const bool divided = divides != (operation == Operation::divide);
+    return minus != take_factors(tree, a >= 0 ? a + 1 : first, node->of[1], divided, all);
+  }
+  all.push_back({first, root, divides});
+  return false;
+}
+
+FormulaTree product_of(const FormulaTree& tree, const std::vector<Factor>& factors, double begin) {
+  FormulaTree product;
+  product.numbers = tree.numbers;
+  product.parameters = tree.parameters;
+  product.branches = tree.branches;
+  product.root = FormulaTree::first_number - static_cast<int>(product.numbers.size());
+  product.numbers.push_back({begin});
+  for (const Factor& factor : factors) {
+    const int first = factor.first, root = factor.root;
+    const int shift = static_cast<int>(product.nodes.size()) - first;
+    const auto moved = [&](int operand) { return operand >= first ? operand + shift : std::min(operand, 0); };
+    for (int k = first; k <= root; ++k) {
+      FormulaTree::Node node = tree.nodes[static_cast<std::size_t>(k)];
+      std::ranges::transform(node.of, node.of.begin(), moved);
+      if (node.branch >= 0) {
+        const auto branch = static_cast<std::size_t>(node.branch);
+        product.branches[branch].condition = moved(tree.branches[branch].condition);
+      }
+      product.nodes.push_back(node);
+    }
+    FormulaTree::Node node{factor.divides ? Operation::divide : Operation::multiply, {product.root, moved(root)}, 2};
+    for (const int operand : {node.of[0], node.of[1]}) {
+      node.uses_x |= product.uses_x(operand);
+      node.uses_t |= product.uses_t(operand);
+    }
+    product.root = static_cast<int>(product.nodes.size());
+    product.nodes.push_back(node);
+  }
+  return product;
+}
+
 using Breaks = FormulaSwitches::Of;
 NextBreakAt told(const FormulaSwitches& breaks) {
   if (breaks.empty()) return {};
@@ -136,6 +188,22 @@ SpaceTimeFunction Formula::of_x_t() const {
   if (is_constant()) return [value = constant()](double, double) { return value; };
   return RowFunction{[tree = tree_](double x, double t) { return (*tree)(x, t); },
                      [tree = tree_](std::span<const double> x, double t, std::span<double> f) { tree->row(x, t, f); }};
+}
+
+std::optional<std::pair<Formula, Formula>> Formula::factors() const {
+  if (series_ || !uses('x') || !uses('t')) return std::nullopt;
+  std::vector<Factor> all, of_x, of_t;
+  const bool minus = take_factors(*tree_, 0, tree_->root, false, all);
+  for (const Factor& one : all) {
+    if (tree_->uses_x(one.root) && tree_->uses_t(one.root)) return std::nullopt;
+    (tree_->uses_t(one.root) ? of_t : of_x).push_back(one);
+  }
+  static Known<Tree, std::pair<Tree, Tree>> products;
+  const auto [profile, history] = products(tree_, [&] {
+    return std::pair<Tree, Tree>(std::make_shared<FormulaTree>(product_of(*tree_, of_x, minus ? -1.0 : 1.0)),
+                                 std::make_shared<FormulaTree>(product_of(*tree_, of_t, 1.0)));
+  });
+  return std::pair(Formula(profile), Formula(history));
 }
 
 NextBreak Formula::breaks() const {

@@ -2,9 +2,11 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "viscobar/scene/scene.hpp"
 
@@ -47,6 +49,9 @@ class Formula {
   bool is_zero() const { return is_constant() && constant() == 0.0; }
   double constant() const;  ///< of a constant formula
 
+  /// f(x) and g(t) where it is a product f(x) g(t), of both; absent: it is none.
+  std::optional<std::pair<Formula, Formula>> factors() const;
+
   SpaceFunction of_x() const;
   TimeFunction of_t() const;
   SpaceTimeFunction of_x_t() const;
@@ -76,6 +81,7 @@ class Formula {
   bool moves_jump(std::string_view by) const;
 
  private:
+  explicit Formula(std::shared_ptr<const FormulaTree> tree) : tree_(std::move(tree)) {}
   NextBreak breaks_of_series(bool kinks) const;
 
   std::shared_ptr<const FormulaTree> tree_;  // null where it is a series

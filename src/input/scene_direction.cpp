@@ -34,14 +34,14 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   const auto with_mass = [stretched](const SpaceTimeFunction& f, const SpaceTimeFunction& slope) {
     return [=](double x, double t) { return (slope ? slope(x, t) : 0.0) + stretched * f(x, t); };
   };
-  if (const auto density = entries.formula("load.density")) {
+  const auto [density, profile, history] = LoadFormulas(entries);
+  if (density) {
     const SpaceTimeFunction slope = rate(*density, by, length);
     if (!slope && stretched == 0.0) return std::nullopt;
     const auto f = with_mass(density->of_x_t(), slope);
     if (!density->uses('t')) return SteadyLoad{[f](double x) { return f(x, 0.0); }, density->places(length)};
     return GeneralLoad{f, density->breaks_and_pulses(length), density->breaks_at(), density->breaks_in_x_at()};
   }
-  const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history) return std::nullopt;
   const SpaceTimeFunction of_profile = rate(*profile, by, length), of_history = rate(*history, by, length);
   if (!of_profile && !of_history && stretched == 0.0) return std::nullopt;

@@ -444,4 +444,14 @@ std::vector<Diagnostic> SceneEntries::diagnostics() const {
   return sorted;
 }
 
+LoadFormulas::LoadFormulas(const SceneEntries& entries)
+    : density(entries.formula("load.density")),
+      profile(entries.formula("load.profile")),
+      history(entries.formula("load.history")) {
+  const auto factors = density ? density->factors() : std::nullopt;
+  if (!factors) return;
+  density.reset();
+  profile = factors->first, history = factors->second;
+}
+
 }  // namespace viscobar

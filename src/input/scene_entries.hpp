@@ -130,4 +130,10 @@ EndMotion motion_of_gap(const Formula& gap, const std::string& by, const Obstacl
 /// @throws std::invalid_argument where there is none
 Direction direction_of(const SceneEntries& entries, const Case& run, const std::string& key);
 
+/// The density of a load, or the profile and history that it is a product of, as given or as the density's formula is.
+struct LoadFormulas {
+  explicit LoadFormulas(const SceneEntries& entries);
+  std::optional<Formula> density, profile, history;
+};
+
 }  // namespace viscobar

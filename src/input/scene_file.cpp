@@ -67,7 +67,8 @@ EndInput input_of(const SceneEntries& entries, const std::string& side, const En
 
 // The narrowest kind of load that the formulas allow, and none at all for one that is zero.
 std::optional<Load> load_of(const SceneEntries& entries, double length) {
-  if (const auto density = entries.formula("load.density")) {
+  const auto [density, profile, history] = LoadFormulas(entries);
+  if (density) {
     if (density->is_zero()) return std::nullopt;
     if (!density->uses('t')) return SteadyLoad{density->of_x(), density->places(length)};
     if (!density->uses('x'))
@@ -75,7 +76,6 @@ std::optional<Load> load_of(const SceneEntries& entries, double length) {
     return GeneralLoad{density->of_x_t(),         density->breaks_and_pulses(length), density->breaks_at(),
                        density->breaks_in_x_at(), density->detail_in_x_at(length),    density->breaks()};
   }
-  const auto profile = entries.formula("load.profile"), history = entries.formula("load.history");
   if (!profile || !history || profile->is_zero() || history->is_zero()) return std::nullopt;
   if (history->is_constant())
     return SteadyLoad{[f = profile->of_x(), factor = history->constant()](double x) { return factor * f(x); },

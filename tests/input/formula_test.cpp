@@ -274,6 +274,38 @@ TEST(Formula, HasTheSameDigitsAtManyPlacesAtOnceAsAtEach) {
   EXPECT_GT(compared, 200000);
 }
 
+TEST(Formula, OfAProductHasAFactorOfXAndOneOfT) {
+  const Parameters parameters{{"p", 0.7}, {"q", -3.0}};
+  for (const char* text :
+       {"x*t", "sin(t*sqrt(2))*cos(2*x)", "-(x*sin(t))/2", "-x*-t", "2/(1 + x)/exp(t)", "p*x*(t/q)", "t/(q - x)/(p/t)",
+        "(t < 0.3 ? 1 : 0)*(x < 0.5 ? x : 1 - x)*3", "(x < p ? (x < 0.2 ? 1 : p) : x^3)*(t < q ? 0 : t)",
+        "(t > 0.1 && t < 0.4 ? sin(t) : max(t, p))*min(x, 0.5)*abs(x - 0.3)*(t + 1)^2.5"}) {
+    const Formula formula(text, "xt", parameters);
+    const auto factors = formula.factors();
+    ASSERT_TRUE(factors) << text;
+    EXPECT_FALSE(factors->first.uses('t') || factors->second.uses('x')) << text;
+    const SpaceTimeFunction whole = formula.of_x_t();
+    const SpaceFunction profile = factors->first.of_x();
+    const TimeFunction history = factors->second.of_t();
+    for (const double x : {0.0, 0.1, 0.35, 0.5, 0.65, 1.0})
+      for (const double t : {0.05, 0.2, 0.3, 0.39, 1.0})
+        EXPECT_NEAR(profile(x) * history(t), whole(x, t), 4.0 * rounding * std::abs(whole(x, t))) << text;
+  }
+  for (const char* text : {"x*t + 1", "x*sin(x*t)", "(x ? t : 2)*x", "(x*t)^2", "x - t", "x*3", "t", "x < t"})
+    EXPECT_FALSE(Formula(text, "xt", parameters).factors()) << text;
+}
+
+TEST(Formula, FactorsOfAProductKnowTheirOwnBreaks) {
+  const auto factors = Formula("(t < 0.3 ? 1 : 2)*(x < 0.5 ? x : (x < 0.75 ? 1 : 3))", "xt").factors();
+  ASSERT_TRUE(factors);
+  const Places places = factors->first.places(1.0);
+  EXPECT_NEAR(places.breaks(0.0, 1.0).value_or(0.0), 0.5, rounding);
+  EXPECT_NEAR(places.breaks(0.6, 1.0).value_or(0.0), 0.75, rounding);
+  const NextBreak breaks = factors->second.breaks();
+  EXPECT_NEAR(breaks(0.0, 1.0).value_or(0.0), 0.3, rounding);
+  EXPECT_FALSE(breaks(0.4, 1.0));
+}
+
 TEST(Formula, CannotChangeItsVariables) {
   for (const char* text : {"x = 3", "x=3", "(x = 3) + 1", "x === 1", "x == = 1", "x += 1", "t = 1"})
     EXPECT_NE(complaint_about(text, "xt"), "") << text;

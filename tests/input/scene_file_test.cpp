@@ -199,7 +199,8 @@ TEST(SceneFile, MakesTheNarrowestLoad) {
   EXPECT_TRUE(load_is<SteadyLoad>("density = 2"));
   EXPECT_TRUE(load_is<SteadyLoad>("density = \"cos(2*x)\""));
   EXPECT_TRUE(load_is<SeparableLoad>("density = \"sin(t)\""));
-  EXPECT_TRUE(load_is<GeneralLoad>("density = \"sin(t)*cos(2*x)\""));
+  EXPECT_TRUE(load_is<GeneralLoad>("density = \"sin(t + 2*x)\""));
+  EXPECT_TRUE(load_is<SeparableLoad>("density = \"sin(t)*cos(2*x)\""));
   EXPECT_TRUE(load_is<SeparableLoad>("profile = 2\nhistory = \"sin(t)\""));
   EXPECT_TRUE(load_is<SteadyLoad>("profile = \"x\"\nhistory = 3"));
 }
