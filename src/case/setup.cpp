@@ -184,8 +184,8 @@ AutomaticMethod automatic_method(const Case& run) {
     const double outputs = run.end / run.output_every;
     if (const double evaluations = outputs * evaluations_of_output(scene, run.end); evaluations > most)
       return meshed_because(fmt::format(
-          "a load in x and t takes some {:.1g} evaluations for {:.0f} outputs; fewer outputs, or a product of load.profile "
-          "and load.history, take less",
+          "a load in x and t takes some {:.1g} evaluations for {:.0f} outputs; fewer outputs, or a product of a function "
+          "of x and one of t, take less",
           evaluations, outputs));
   } catch (const Unfit& unfit) {
     return meshed_because(unfit.finding.key + " " + unfit.finding.problem);
