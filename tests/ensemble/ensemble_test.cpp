@@ -355,7 +355,7 @@ TEST(Ensemble, ABarWhoseSceneCannotBeRunIsToldAndNoOtherSuffers) {
 }
 
 TEST(Ensemble, WhatDoesNotFitIntoLanesRunsAlone) {
-  for (const char* more : {"[load]\ndensity = \"-t*x\"\n", "[contact]\nepsilon = 1e-5\n"}) {
+  for (const char* more : {"[load]\ndensity = \"-sin(t*x)\"\n", "[contact]\nepsilon = 1e-5\n"}) {
     TextEnsemble made{thrown, {"bar.viscosity"}, {{0.1, 0.2}}};
     made.scene += more;
     EnsembleStudy study = made.study();
