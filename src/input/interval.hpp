@@ -84,7 +84,7 @@ inline Interval power(Interval a, Interval b) {
   if (b.is(n) && n == std::trunc(n)) {
     if (n < 0.0 && a.holds(0.0)) return any_number;
     const Interval ends = hull({power(a.low, n), power(a.high, n)});
-    return n > 0.0 && std::fmod(n, 2.0) == 0.0 && a.holds(0.0) ? Interval{0.0, ends.high} : ends;
+    return n > 0.0 && n / 2.0 == std::trunc(n / 2.0) && a.holds(0.0) ? Interval{0.0, ends.high} : ends;
   }
   if (a.low < 0.0) return any_number;
   return hull({power(a.low, b.low), power(a.low, b.high), power(a.high, b.low), power(a.high, b.high)});
