@@ -192,34 +192,35 @@ LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
 void LaneBar::take_edges() {
   const auto& runs = order_.runs;
   const std::size_t first = system_.unknowns().first_node();
-  const auto add = [&](std::size_t node) {
-    edges_.push_back({order_.place(node - 1), order_.place(node), first + node - 1});
+  const auto add_between = [&](std::size_t i, std::size_t j, std::size_t element) {
+    edges_.i.push_back(i), edges_.j.push_back(j), edges_.element.push_back(element);
   };
-  edges_.push_back({0, 0, 0});
+  const auto add = [&](std::size_t node) { add_between(order_.place(node - 1), order_.place(node), first + node - 1); };
+  add_between(0, 0, 0);
   for (std::size_t r = 0, node = 0; r <= runs.size(); ++r) {
     for (const std::size_t end = r < runs.size() ? runs[r].node : order_.size; node < end; ++node) {
-      fronts_.push_back(edges_.size() - 1);
+      fronts_.push_back(edges_.element.size() - 1);
       if (node + 1 < order_.size) add(node + 1);
     }
     if (r == runs.size()) break;
     const LaneOrder::Run& run = runs[r];
     node = run.node_behind();
-    const std::size_t before = edges_.size() - 1;
+    const std::size_t before = edges_.element.size() - 1;
     if (run.begin == 0)
       breaks_.push_back({0, run.lane, 0, before});
     else
       breaks_.back().before = before;
     add(node);
-    breaks_.push_back({run.end(), run.lane, edges_.size() - 1});
+    breaks_.push_back({run.end(), run.lane, edges_.element.size() - 1});
   }
-  edges_.push_back({0, 0, system_.mesh().elements - 1});
-  stresses_.resize(edges_.size());
+  add_between(0, 0, system_.mesh().elements - 1);
+  stresses_.resize(edges_.element.size());
   std::ranges::stable_sort(breaks_, {}, &Break::row);
 }
 
 LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const {
   Weights all{{}, std::vector<Lanes>(order_.rows + 1, Lanes(0.0))};
-  for (const Edge& edge : edges_) all.of_edges.push_back(of_elements[edge.element]);
+  for (const std::size_t element : edges_.element) all.of_edges.push_back(of_elements[element]);
   for (const LaneOrder::Run& run : order_.runs)
     for (std::size_t k = 1; k < run.count; ++k)
       all.of_rows[run.begin + k][run.lane] = of_elements[system_.unknowns().first_node() + run.node + k - 1];
@@ -231,11 +232,14 @@ void LaneBar::interface_forces(const Stress& stress, std::array<double, 2> walls
                                std::span<double> interface) const {
   const double scale = scale_;
   double* const stresses = stresses_.data();
-  const std::size_t last = edges_.size() - 1;
-  for (std::size_t e = 1; e < last; ++e) stresses[e] = stress.nodes(edges_[e].i, edges_[e].j, e);
+  const std::size_t last = stresses_.size() - 1, count = interface.size();
+  const std::size_t *const at_i = edges_.i.data(), *const at_j = edges_.j.data(), *const fronts = fronts_.data();
+#pragma GCC ivdep
+  for (std::size_t e = 1; e < last; ++e) stresses[e] = stress.nodes(at_i[e], at_j[e], e);
   stresses[0] = walls[0], stresses[last] = walls[1];
-  for (std::size_t i = 0; i < interface.size(); ++i)
-    interface[i] = scale * (stresses[fronts_[i] + 1] - stresses[fronts_[i]]);
+  double* const forces = interface.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) forces[i] = scale * (stresses[fronts[i] + 1] - stresses[fronts[i]]);
   if (load.empty()) return;
   for (std::size_t i = 0; i < order_.first; ++i) interface[i] += load[i];
   double* const others = interface.data();
@@ -348,11 +352,11 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
     const Weights& of = viscous_.of_rows.empty() ? elastic_ : viscous_;
     const double *const begin = p.data(), *const change = a.data();
     double* const differences = stresses_.data();
-    const std::size_t last = edges_.size() - 1;
-    for (std::size_t e = 1; e < last; ++e) {
-      const auto [i, j, element] = edges_[e];
-      differences[e] = begin[j] - begin[i] + lever * (change[j] - change[i]);
-    }
+    const std::size_t last = stresses_.size() - 1;
+    const std::size_t *const at_i = edges_.i.data(), *const at_j = edges_.j.data();
+#pragma GCC ivdep
+    for (std::size_t e = 1; e < last; ++e)
+      differences[e] = begin[at_j[e]] - begin[at_i[e]] + lever * (change[at_j[e]] - change[at_i[e]]);
     const auto sums = [&](auto&& of_row, auto&& of_edge) __attribute__((always_inline)) {
       const auto row = [&](std::size_t k) {
         return load_lanes(begin + order_.row(k)) + lever * load_lanes(change + order_.row(k));

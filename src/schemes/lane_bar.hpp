@@ -28,9 +28,9 @@ class LaneBar {
   double squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const;
 
  private:
-  // An element in no row: where its two nodes are stored, and its number.
-  struct Edge {
-    std::size_t i, j, element;
+  // Elements in no row: where their two nodes are stored, and their numbers. A processor gathers several at once.
+  struct Edges {
+    std::vector<std::size_t> i, j, element;
   };
   // A run ends in front of a row, but for row 0, and the next of its lane begins, but for the last: its lane, and the
   // edges at either place.
@@ -57,7 +57,7 @@ class LaneBar {
   double scale_, relaxation_;  // of stresses: E / h, or E; eta / E
   // Where elements are not alike: int dx / A of elasticity, and of viscosity where it is another.
   Weights elastic_, viscous_;
-  std::vector<Edge> edges_;               // rising; of a node of the interface the one before and the one behind
+  Edges edges_;                           // rising; of a node of the interface the one before and the one behind
   std::vector<std::size_t> fronts_;       // of each node of the interface the edge before it; the walls are edges, too
   std::vector<Break> breaks_;             // by row
   mutable std::vector<double> stresses_;  // one an edge
