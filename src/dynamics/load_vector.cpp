@@ -42,7 +42,10 @@ LoadVector::LoadVector(const BarSystem& system, double step) : system_(system), 
       const LoadVector& one = difference_.emplace_back(**of);
       breaks_.insert(breaks_.end(), one.breaks_.begin(), one.breaks_.end());
     }
-  if (const auto* separable = load_as<NodalLoad::Separable>()) breaks_.push_back(separable->breaks);
+  if (const auto* separable = load_as<NodalLoad::Separable>()) {
+    breaks_.push_back(separable->breaks);
+    if (separable->plus) breaks_.push_back(separable->plus->breaks);
+  }
   if (const auto* general = load_as<NodalLoad::General>()) {
     nodal_.resize(2 * system.mesh().nodes());
     for (std::size_t j = 0; j < system.mesh().nodes(); ++j) nodes_.push_back(system.mesh().node(j));
@@ -153,6 +156,10 @@ void LoadVector::find_distributed(double t) {
   } else if (const auto* separable = load_as<NodalLoad::Separable>()) {
     const double history = separable_history(t);
     for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] = history * separable->weighted[i];
+    if (const NodalLoad::Separable* const plus = separable->plus.get()) {
+      const double other = history_at(plus->history, t);
+      for (std::size_t i = 0; i < weighted_.size(); ++i) weighted_[i] += other * plus->weighted[i];
+    }
   } else {
     const auto& general = std::get<NodalLoad::General>(*load_->distributed);
     const Mesh& mesh = system_.mesh();
@@ -252,14 +259,15 @@ std::optional<std::span<const double>> LoadVector::profile() const {
   if (!load_ || system_.frame().moving() || !difference_.empty()) return std::nullopt;
   if (!load_->distributed) return std::span<const double>();
   if (const auto* steady = load_as<NodalLoad::Steady>()) return steady->weighted;
-  if (const auto* separable = load_as<NodalLoad::Separable>()) return separable->weighted;
+  const auto* separable = load_as<NodalLoad::Separable>();
+  if (separable && !separable->plus) return separable->weighted;
   return std::nullopt;
 }
 
 std::optional<double> LoadVector::factor(std::size_t unknown) const {
   const auto* separable = load_as<NodalLoad::Separable>();
   const bool forced = load_ && load_->varying_forces && (unknown == 0 || unknown + 1 == system_.size());
-  if (!separable || forced || system_.frame().moving() || !difference_.empty()) return std::nullopt;
+  if (!separable || separable->plus || forced || system_.frame().moving() || !difference_.empty()) return std::nullopt;
   return separable->weighted[unknown];
 }
 
@@ -285,7 +293,10 @@ double LoadVector::distributed(double t, std::size_t node) const {
     return unknown < of.weighted.size() ? of.weighted[unknown] : of.held[node > 0];
   };
   if (const auto* steady = load_as<NodalLoad::Steady>()) return entry(*steady);
-  if (const auto* separable = load_as<NodalLoad::Separable>()) return separable_history(t) * entry(*separable);
+  if (const auto* separable = load_as<NodalLoad::Separable>()) {
+    const double own = separable_history(t) * entry(*separable);
+    return separable->plus ? own + history_at(separable->plus->history, t) * entry(*separable->plus) : own;
+  }
   const auto& general = std::get<NodalLoad::General>(*load_->distributed);
   if (general.breaks_in_x) {
     double moment = 0.0;

@@ -46,18 +46,13 @@ std::optional<Load> rate_of_load(const SceneEntries& entries, const std::string&
   const SpaceTimeFunction of_profile = rate(*profile, by, length), of_history = rate(*history, by, length);
   if (!of_profile && !of_history && stretched == 0.0) return std::nullopt;
   const auto moved = with_mass(profile->of_x_t(), of_profile);
-  if (!of_history)
-    return SeparableLoad{[moved](double x) { return moved(x, 0.0); }, history->of_t(), history->breaks_and_pulses(0.0),
-                         profile->places(length)};
-  if (!of_profile && stretched == 0.0)
-    return SeparableLoad{profile->of_x(), [of_history](double t) { return of_history(0.0, t); },
-                         history->breaks_and_pulses(0.0), profile->places(length)};
-  return GeneralLoad{[moved, of_history, f = profile->of_x(), g = history->of_t()](double x, double t) {
-                       return moved(x, t) * g(t) + f(x) * of_history(x, t);
-                     },
-                     history->breaks_and_pulses(0.0),
-                     {},
-                     profile->breaks_in_x_at()};
+  const NextBreak breaks = history->breaks_and_pulses(0.0);
+  const Places places = profile->places(length);
+  const SeparableLoad by_profile{[moved](double x) { return moved(x, 0.0); }, history->of_t(), breaks, places};
+  if (!of_history) return by_profile;
+  SeparableLoad rate{profile->of_x(), [of_history](double t) { return of_history(0.0, t); }, breaks, places};
+  if (of_profile || stretched != 0.0) rate.plus = std::make_shared<SeparableLoad>(by_profile);
+  return rate;
 }
 
 // Adds the derivatives of the force and motion of an end, and of the gap of its obstacle at the start.

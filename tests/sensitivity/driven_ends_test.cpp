@@ -159,6 +159,13 @@ TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsUnderForcesAndWithAFixedEndInM
     expect_slopes({right, before_an_obstacle(right), with({"parameters.push", "parameters.omega", "left.gap"})});
 }
 
+// A spot narrower than an element moves and beats with one parameter: either factor's rate is met as the load is.
+TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsUnderAProductOfWhichBothFactorsDependOnTheParameter) {
+  Driven driven{"a spot", before_an_obstacle("kind = \"free\""), {"parameters.omega", "bar.length"}};
+  driven.settings = {"load.density=-20*exp(-((x - 0.23*omega)/0.03)^2)*sin(omega*t)"};
+  expect_slopes(driven);
+}
+
 TEST(SensitivitiesOfDrivenEnds, AreTheSlopesOfRunsOnSpringsAndDashpots) {
   expect_slopes({"mounts", R"~(
 [left]

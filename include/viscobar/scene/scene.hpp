@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -111,6 +112,8 @@ struct SeparableLoad {
   TimeFunction history;   ///< of t
   NextBreak breaks = {};  ///< of the history; empty: it is smooth
   Places places = {};     ///< of the profile
+  /// Added to it, in the derivative of a load: that of a product is two of them.
+  std::shared_ptr<const SeparableLoad> plus = {};
 };
 
 /// f(x,t) of no known structure: evaluated at every node and every step.

@@ -31,10 +31,14 @@ NodalLoad distributed_load(const Load& given, const BarSystem& system) {
   NodalLoad load;
   if (const auto* steady = std::get_if<SteadyLoad>(&given))
     load.distributed = weighted(steady->profile, steady->places);
-  if (const auto* separable = std::get_if<SeparableLoad>(&given)) {
-    NodalLoad::Steady profile = weighted(separable->profile, separable->places);
-    load.distributed =
-        NodalLoad::Separable{std::move(profile.weighted), profile.held, separable->history, separable->breaks};
+  const auto separable = [&](const SeparableLoad& one) {
+    NodalLoad::Steady profile = weighted(one.profile, one.places);
+    return NodalLoad::Separable{std::move(profile.weighted), profile.held, one.history, one.breaks, {}};
+  };
+  if (const auto* one = std::get_if<SeparableLoad>(&given)) {
+    NodalLoad::Separable sum = separable(*one);
+    if (one->plus) sum.plus = std::make_shared<NodalLoad::Separable>(separable(*one->plus));
+    load.distributed = std::move(sum);
   }
   if (const auto* general = std::get_if<GeneralLoad>(&given))
     load.distributed = NodalLoad::General{general->density, general->breaks, general->breaks_at, general->breaks_in_x,

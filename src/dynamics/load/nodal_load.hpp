@@ -20,12 +20,13 @@ struct NodalLoad {
     std::vector<double> weighted;  ///< of the unknowns
     std::array<double, 2> held{};  ///< of the ends, where they are fixed
   };
-  /// history(t) M profile
+  /// history(t) M profile, and what is added to it
   struct Separable {
     std::vector<double> weighted;  ///< M profile of the unknowns
     std::array<double, 2> held;    ///< of the ends, where they are fixed
     TimeFunction history;
     NextBreak breaks;
+    std::shared_ptr<const Separable> plus;
   };
   /// M f(x, t)
   struct General {
