@@ -15,6 +15,7 @@
 #include "input/scene_values.hpp"
 #include "scene/end_kinds.hpp"
 #include "scene/message_text.hpp"
+#include "text/number.hpp"
 
 namespace viscobar {
 
@@ -327,9 +328,10 @@ Setup validated_setup(SceneEntries& entries, const Adaptation& adapt) {
 std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Setup& setup) {
   if (!entries.sound("accuracy.error")) return std::nullopt;
   AccuracyRequest request;
-  const auto* share = std::get_if<std::string>(&entries.value("accuracy.error"));
-  request.relative = share != nullptr;
-  request.error = share ? *percentage(*share) : *entries.number("accuracy.error");
+  const auto* text = std::get_if<std::string>(&entries.value("accuracy.error"));
+  const auto share = text ? percentage(*text) : std::nullopt;
+  request.relative = share.has_value();
+  request.error = share ? *share : text ? *number_in<double>(*text) : *entries.number("accuracy.error");
   request.of = chosen(entries, "accuracy.of", all_goals, request.of);
   request.given = {entries.given("mesh.elements"),
                    entries.given("mesh.mass"),

@@ -203,6 +203,7 @@ std::string problem_with(const SceneKey& key, const TomlValue& value, const Para
                          kind_of(value), text ? number_advice(*text) : "");
     case KeyType::amount: {
       if (number) return range_problem(key.range, *number);
+      if (const auto plain = text ? number_in<double>(*text) : std::nullopt) return range_problem(key.range, *plain);
       const auto share = text ? percentage(*text) : std::nullopt;
       if (!share)
         return fmt::format("must be a number, or a percentage such as \"0.01 %\", is {}",

@@ -181,8 +181,7 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
     for (const TomlNode& element : node.inside) add(element.value, element.value_at);
     if (node.inside.empty()) report(node.value_at, "is an empty list");
   } else if (node.kind == TomlNode::Kind::table) {
-    const bool takes_numbers =
-        key.type == KeyType::number || key.type == KeyType::count || key.type == KeyType::formula;
+    const bool takes_numbers = takes(key.type, TomlValue(1.0));
     if (!takes_numbers) report(node.value_at, "takes no numbers, so give a list of its values, not a range");
     const auto range = takes_numbers ? read_range(node, report) : std::nullopt;
     if (range)
@@ -204,16 +203,16 @@ VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& re
   if (!sound) values.clear();
   // A gap is a formula that mostly is a number: as such its values have an order, and a place on an axis.
   const bool numbers =
-      key.type == KeyType::formula && !values.empty() &&
+      takes(key.type, TomlValue(1.0)) && !values.empty() &&
       std::ranges::all_of(values, [](const TomlValue& value) { return finite_number(value).has_value(); });
   const auto varied = [&](auto&& as) {
     std::vector<std::decay_t<decltype(as(values.front()))>> list;
     for (const TomlValue& value : values) list.push_back(as(value));
     return VariedKey{std::string(key.name), std::move(list)};
   };
+  if (key.type == KeyType::count) return varied([](const TomlValue& value) { return std::get<std::int64_t>(value); });
   if (key.type == KeyType::number || numbers)
     return varied([](const TomlValue& value) { return *finite_number(value); });
-  if (key.type == KeyType::count) return varied([](const TomlValue& value) { return std::get<std::int64_t>(value); });
   return varied(plain_text);
 }
 

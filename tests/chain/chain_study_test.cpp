@@ -154,6 +154,25 @@ TEST(ChainLimit, ThePenaltyTendsToTheSchemeWithItsLaw) {
   EXPECT_LT(*result.rows.back().difference_to_scheme_limit, std::sqrt(1e-6));
 }
 
+// A node more or less in a bar hides a power of h, and so does a reference whose error is of order 2, too.
+TEST(ChainLimit, BothLimitsTendToTheBarsOwnMotionLikeTheSquareOfH) {
+  LimitStudy study;
+  study.scene = scene({"mesh.mass=consistent", "time.end=1.0"});
+  study.elements = {10, 20, 40};
+  study.epsilons = {1e-3, 1e-4, 1e-5};
+  study.budget = 20.0;
+  const LimitResult result = limit_of(study);
+  ASSERT_TRUE(result.own_motion);
+  const std::vector<OwnMotion::Mesh>& meshes = result.own_motion->meshes;
+  ASSERT_EQ(meshes.size(), 3U);
+  for (std::size_t m = 0; m < 3; ++m) EXPECT_EQ(meshes[m].elements, meshes[0].elements << m);
+  EXPECT_LT(10.0 * result.own_motion->error, meshes[2].scheme);
+  for (const auto& order : {result.own_motion->penalty, result.own_motion->scheme}) {
+    ASSERT_TRUE(order);
+    EXPECT_NEAR(order->order, 2.0, 0.05);
+  }
+}
+
 // Both bars fly on, so that the depth of their contact is the difference of displacements a million times as large: of
 // fewer digits than the tolerance asks the contact's nodes for.
 TEST(ChainLimit, AContactOfFlyingBarsTakesAStiffSpringAndATightTolerance) {

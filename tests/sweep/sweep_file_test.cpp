@@ -139,6 +139,21 @@ TEST_F(SweepFileTest, FormulasAndNumbersMayStandInOneList) {
             (std::vector<std::string>{"-1", "-x*(1-x)", "0.5"}));
 }
 
+TEST_F(SweepFileTest, ErrorsVaryAsNumbersPercentagesOrBoth) {
+  EXPECT_EQ(values<double>("accuracy.error", "[0.01, 2e-3]"), (std::vector<double>{0.01, 2e-3}));
+  EXPECT_EQ(values<double>("accuracy.error", "{ from = 1e-2, to = 1e-3, per_decade = 1 }"),
+            (std::vector<double>{1e-2, 1e-3}));
+  const std::string both = "scene = \"scene.toml\"\n[vary]\naccuracy.error = [0.01, \"0.5 %\"]\n";
+  EXPECT_EQ(faults(both), std::vector<std::string>{});
+  const SweepFile sweep = read(both);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto request =
+        parse_scene_with(sweep.scene_text, sweep.scene_source, case_of(sweep, i).settings).accuracy.value();
+    EXPECT_EQ(request.relative, i == 1);
+    EXPECT_EQ(request.error, i == 1 ? 0.005 : 0.01);
+  }
+}
+
 TEST_F(SweepFileTest, SettingsHoldForAllCasesThoseOfTheCommandLineLast) {
   const SweepFile sweep =
       read("scene = \"scene.toml\"\n[set]\ntime.end = 2\nmethod.name = \"ida\"\n[vary]\nbar.viscosity = [1]\n",

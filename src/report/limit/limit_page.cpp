@@ -5,6 +5,7 @@
 
 #include "report/limit/limit_tables.hpp"
 #include "results/json.hpp"
+#include "studies/limit/mesh_runs.hpp"
 #include "text/number.hpp"
 #include "viscobar/report/reports.hpp"
 #include "viscobar/results/versions.hpp"
@@ -200,6 +201,11 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
   // Settings that ran, not those asked for: the scene of limit.json, as it stands, is that of the finest mesh.
   Json& ran = json["scene"];
   ran["mesh"]["elements"] = orders.elements;
+  Case fine = limit::by_one_factor(study).scene;
+  fine.elements = orders.elements;
+  const Mesh mesh = fine.mesh();
+  for (std::size_t m = 0; mesh.members && m < mesh.members->size(); ++m)
+    if (const std::size_t own = (*mesh.members)[m].elements; own > 0) ran["bar"][m]["elements"] = own;
   ran["mesh"]["mass"] = name(resolve(study.scene).mass);
   ran["method"]["relative_tolerance"] = orders.tolerance;
   if (orders.scheme_step > 0.0) ran["method"]["step"] = orders.scheme_step;

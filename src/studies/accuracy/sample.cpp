@@ -52,6 +52,16 @@ Case on_its_mesh(Case run) {
   return run;
 }
 
+std::optional<std::vector<std::size_t>> refine_by_one_factor(Case& run, std::vector<std::size_t> meshes) {
+  if (run.scene.chain.empty() || meshes.empty()) return meshes;
+  const std::size_t fewest = *std::ranges::min_element(meshes);
+  if (std::ranges::any_of(meshes, [&](std::size_t count) { return count % fewest != 0; })) return std::nullopt;
+  run.elements = fewest;
+  run = on_its_mesh(std::move(run));
+  for (std::size_t& count : meshes) count = count / fewest * run.elements;
+  return meshes;
+}
+
 std::vector<double> times_of_errors(double end) {
   constexpr int parts = 250;
   std::vector<double> times;

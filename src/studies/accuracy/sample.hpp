@@ -15,6 +15,9 @@ namespace viscobar::accuracy {
 std::size_t fewest_in_a_bar(const Case& run);
 /// The case on the same mesh, whose elements are those of its bars: their multiples have all nodes of it.
 Case on_its_mesh(Case run);
+/// Puts a chain on the coarsest of the meshes, and tells the elements of each, all bars refined by one factor. Absent:
+/// a mesh is no multiple of the coarsest, and nothing is changed. One bar has the elements asked for.
+std::optional<std::vector<std::size_t>> refine_by_one_factor(Case& run, std::vector<std::size_t> meshes);
 
 /// Data of a run for all goals: the field at some nodes and times, the ends, the contacts.
 struct Sample {

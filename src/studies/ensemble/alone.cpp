@@ -109,9 +109,13 @@ Told run_alone(Setup& setup, const Layout& layout, std::optional<double> error, 
   const bool adaptive = is_adaptive(run.method), halves = !adaptive && run.automatic && !run.step;
   if (!error || !(adaptive || halves)) return {once(), std::numeric_limits<double>::quiet_NaN(), steps};
   const int most = adaptive ? 5 : 10;
+  // Bounces lower than the tolerance are left out, each by restitution^2 lower than the one before, so that tolerances
+  // a decade apart may leave out the same ones. The changes behind them would be told as theirs.
+  const bool bounces = layout.most_changes > 0 && run.restitution.value_or(0.0) > 0.0;
+  const double refinement = bounces ? 1e4 : 10.0;
   std::unique_ptr<BarValues> coarse;
   double tolerance = *error;
-  for (int k = 0;; ++k, tolerance /= 10.0) {
+  for (int k = 0;; ++k, tolerance = std::max(tolerance / refinement, 1e-13)) {
     if (adaptive)
       setup.run.tolerance = {tolerance, std::nullopt, run.tolerance.control};
     else if (k > 0)

@@ -40,7 +40,8 @@ std::optional<MeshError> mesh_error(const std::vector<double>& spacings, const s
   return MeshError{*order, differences[n - 1] / (std::pow(spacings[n - 1], *order) - std::pow(spacings[n], *order))};
 }
 
-CouplingResult balance_errors(const LimitStudy& study, const LimitResult& result) {
+CouplingResult balance_errors(const LimitStudy& asked, const LimitResult& result) {
+  const LimitStudy study = limit::by_one_factor(asked);
   if (result.orders.size() < 3)
     return no("the error of the mesh and its order need three meshes or more (--elements 27,54,108)");
   std::vector<std::size_t> by_mesh(result.orders.size());

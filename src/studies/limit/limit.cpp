@@ -135,7 +135,8 @@ std::optional<Finding> limit_fault(const Scene& scene) {
   return std::nullopt;
 }
 
-LimitResult limit_of(const LimitStudy& study) {
+LimitResult limit_of(const LimitStudy& asked) {
+  const LimitStudy study = by_one_factor(asked);
   if (const auto fault = limit_fault(study.scene.scene)) throw std::invalid_argument(fault->problem);
   if (study.epsilons.empty()) throw std::invalid_argument("a limit study needs at least one epsilon");
   const std::vector<std::size_t> meshes =

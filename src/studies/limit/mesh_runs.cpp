@@ -8,6 +8,7 @@
 
 #include "case/method_table.hpp"
 #include "run/stopwatch.hpp"
+#include "studies/accuracy/sample.hpp"
 #include "studies/parallel.hpp"
 #include "studies/run_limits.hpp"
 
@@ -100,6 +101,11 @@ bool Run::trace(std::span<const double> times, Purse& purse) {
 
 double limit_error(const EndTraces& run, const EndTraces& rough) {
   return largest_difference(run, rough) + 1e-14 * largest_displacement(run);
+}
+
+LimitStudy by_one_factor(LimitStudy study) {
+  if (auto meshes = accuracy::refine_by_one_factor(study.scene, study.elements)) study.elements = std::move(*meshes);
+  return study;
 }
 
 EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until) {

@@ -113,6 +113,10 @@ struct MeshRuns {
   double step() const { return *scheme.back().run.step; }
 };
 
+/// The study on meshes of which those of a chain refine all bars by one factor, where they are multiples of the
+/// coarsest.
+LimitStudy by_one_factor(LimitStudy study);
+
 /// Beginning of traces on these times, up to `until`.
 EndTraces beginning_of(const EndTraces& traces, std::span<const double> times, double until);
 

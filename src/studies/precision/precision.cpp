@@ -92,16 +92,12 @@ const ErrorParts& PrecisionResult::parts_of(const PrecisionRow& row) const {
 PrecisionResult precision_of(const PrecisionStudy& study) {
   Case scene = study.scene;
   std::vector<std::size_t> counts = study.elements.empty() ? std::vector<std::size_t>{scene.elements} : study.elements;
-  if (!scene.scene.chain.empty()) {  // all bars are refined by one factor
-    const std::size_t fewest = scene.elements = std::ranges::min(counts);
-    scene = accuracy::on_its_mesh(scene);
-    for (std::size_t& count : counts) {
-      if (count % fewest != 0)
-        throw std::invalid_argument(fmt::format(
-            "mesh.elements: {} is no multiple of {}, and bars in line are refined by one factor", count, fewest));
-      count = count / fewest * scene.elements;
-    }
-  }
+  const auto refined = accuracy::refine_by_one_factor(scene, counts);
+  if (!refined)
+    throw std::invalid_argument(
+        fmt::format("mesh.elements: {} are not all multiples of {}, and bars in line are refined by one factor",
+                    fmt::join(counts, ", "), std::ranges::min(counts)));
+  counts = *refined;
   std::vector<Mesh> meshes;
   for (const std::size_t count : counts) meshes.push_back(mesh_of(scene, count));
   scene.output_every = error_interval(scene, meshes);

@@ -19,10 +19,12 @@ struct LimitRow;
 /// restitution, and both against their limits where `rigid` knows these. It goes on by itself, with smaller penalties,
 /// smaller steps of the scheme and tighter tolerances, until the verdict is known or the budget spent.
 struct LimitStudy {
-  Case scene;                         ///< studied by its penalised_method()
-  std::vector<double> epsilons;       ///< decreasing
-  std::vector<std::size_t> elements;  ///< meshes; empty: the scene's
-  std::vector<double> steps;          ///< of the scheme, one for each mesh; empty: see resolve()
+  Case scene;                    ///< studied by its penalised_method()
+  std::vector<double> epsilons;  ///< decreasing
+  /// Meshes; empty: the scene's. Those of bars in line that are multiples of the coarsest refine all bars by one
+  /// factor.
+  std::vector<std::size_t> elements;
+  std::vector<double> steps;  ///< of the scheme, one for each mesh; empty: see resolve()
   /// Processor seconds of all runs together, >= 0. No run begins that would overrun it by what it is expected to take;
   /// one that does is stopped and left out. 0: only the penalties asked for and three steps, however long they take.
   double budget = 60.0;
@@ -149,7 +151,7 @@ struct LimitOrders {
 };
 
 /// The limits on a sequence of meshes against the bar's own motion, that of the fourth-order mass on twice the finest
-/// mesh, or of `characteristics` without viscosity.
+/// mesh or a finer one, or of `characteristics` without viscosity.
 struct OwnMotion {
   /// A mesh of the study.
   struct Mesh {
