@@ -13,6 +13,7 @@
 #include "dynamics/natural_scales.hpp"
 #include "dynamics/penalised_system.hpp"
 #include "dynamics/pieces.hpp"
+#include "run/contact_places.hpp"
 
 namespace viscobar {
 
@@ -143,11 +144,9 @@ StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double 
 }
 
 EndBar end_bar(const BarSystem& system, bool right) {
-  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
-  const std::vector<Piece>& pieces = system.elements().pieces();
-  const Piece& piece =
-      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
-  EndBar end{whole_section(piece.bar, area_at(system, right)), piece.mesh.element(right ? piece.mesh.elements - 1 : 0)};
+  const Piece& last = end_bar(system.elements().pieces(), right);
+  const std::size_t e = last.end_element(right);
+  EndBar end{whole_section(last.bar, last.area(e)), last.mesh.element(e)};
   end.bar.length = system.bar().length;  // all that is behind it presses on
   return end;
 }
@@ -215,9 +214,7 @@ struct Sight {
 Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop) {
   const Setup trial = resolve(std::move(run));
   const Scene& scene = trial.run.scene;
-  const auto joints = std::ranges::count(scene.chain, JointKind::contact, [](const Member& m) { return m.joint.kind; });
-  const std::size_t places =
-      end_obstacles(scene) + std::size_t{scene.span.has_value()} + static_cast<std::size_t>(joints);
+  const std::size_t places = contact_places(scene).size();
   Sight sight;
   Foresight& found = sight.found;
   auto& impacts = found.impacts;
@@ -314,20 +311,6 @@ std::string contact_law(const Setup& setup) {
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
 }
 
-namespace {
-
-// The bar that a node is of, as whole_section() there; of a rigid body nothing.
-Bar bar_at(const BarSystem& system, std::size_t node) {
-  for (const Piece& piece : system.elements().pieces())
-    if (!piece.rigid() && piece.first <= node && node <= piece.last()) {
-      const std::size_t e = std::min(node - piece.first, piece.mesh.elements - 1);
-      return whole_section(piece.bar, piece.mesh.element(e) / piece.stretch(e));
-    }
-  return {0.0, 0.0, 0.0, 0.0};
-}
-
-}  // namespace
-
 std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
   const Bar& bar = system.bar();
@@ -342,7 +325,8 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
     const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown];
     mass = std::max(mass, own);
     const std::size_t node = contact.unknown + system.unknowns().first_node();
-    const Bar behind = bar_at(system, node), before = contact.joint > 0 ? bar_at(system, node - 1) : Bar{0, 0, 0, 0};
+    const std::vector<Piece>& pieces = system.elements().pieces();
+    const Bar behind = bar_at(pieces, node), before = contact.joint > 0 ? bar_at(pieces, node - 1) : Bar{0, 0, 0, 0};
     viscous |= behind.damped() || before.damped();
     // V times it is the force of the waves that an impact at speed V sends into both sides.
     const double z = behind.impedance(), other = before.impedance(),
