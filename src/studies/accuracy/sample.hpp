@@ -13,8 +13,9 @@ namespace viscobar::accuracy {
 
 /// Elements of the bar of a case that has the fewest: of a chain a mesh is refined in all of them by one factor.
 std::size_t fewest_in_a_bar(const Case& run);
-/// The case on the same mesh, whose elements are those of its bars: their multiples have all nodes of it.
-Case on_its_mesh(Case run);
+/// The case on a mesh of its scene, whose elements are those of its bars: their multiples have all nodes of it.
+Case on_mesh(Case run, const Mesh& mesh);
+inline Case on_its_mesh(const Case& run) { return on_mesh(run, run.mesh()); }
 
 /// Data of a run for all goals: the field at some nodes and times, the ends, the contacts.
 struct Sample {
