@@ -18,16 +18,9 @@ using plot::Style;
 
 bool among(const auto& values, const auto& value) { return std::ranges::find(values, value) != values.end(); }
 
-std::vector<MethodName> methods_in(const PrecisionResult& result) {
-  std::vector<MethodName> methods;
-  for (const ErrorParts& parts : result.parts)
-    if (!among(methods, parts.method)) methods.push_back(parts.method);
-  return methods;
-}
-
 /// The same in every picture; schemes are dashed, so that the palette may come round.
 Style style_of(const PrecisionResult& result, MethodName method) {
-  const auto methods = methods_in(result);
+  const auto methods = values_in(result, &ErrorParts::method);
   const auto place = static_cast<std::size_t>(std::ranges::find(methods, method) - methods.begin());
   return {plot::series_colour(place), is_scheme(method), 1.8, place};
 }
