@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "case/chatter.hpp"
 #include "case/method_table.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
@@ -143,11 +142,9 @@ StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double 
 }
 
 EndBar end_bar(const BarSystem& system, bool right) {
-  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
-  const std::vector<Piece>& pieces = system.elements().pieces();
-  const Piece& piece =
-      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
-  EndBar end{whole_section(piece.bar, area_at(system, right)), piece.mesh.element(right ? piece.mesh.elements - 1 : 0)};
+  const Piece& last = end_bar(system.elements().pieces(), right);
+  const std::size_t e = last.end_element(right);
+  EndBar end{whole_section(last.bar, last.area(e)), last.mesh.element(e)};
   end.bar.length = system.bar().length;  // all that is behind it presses on
   return end;
 }
@@ -204,129 +201,12 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
   return regimes;
 }
 
-namespace {
-
-struct Sight {
-  Foresight found;
-  bool complete = false;  ///< all first impacts are among it
-};
-
-/// First contacts and chatter that the run meets in so many steps.
-Sight foreseen_by(Case run, double most_steps, const std::function<bool()>& stop) {
-  const Setup trial = resolve(std::move(run));
-  const Scene& scene = trial.run.scene;
-  const auto joints = std::ranges::count(scene.chain, JointKind::contact, [](const Member& m) { return m.joint.kind; });
-  const std::size_t places =
-      end_obstacles(scene) + std::size_t{scene.span.has_value()} + static_cast<std::size_t>(joints);
-  Sight sight;
-  Foresight& found = sight.found;
-  auto& impacts = found.impacts;
-  const auto known = [&](Where where, std::size_t joint) {
-    return std::ranges::find_if(impacts, [=](const FirstImpact& i) { return i.where == where && i.joint == joint; });
-  };
-  const BarSystem system = trial.system();
-  // A node that lies on its obstacle and moves into it hits at once.
-  const State start = system.initial_state();
-  for (const Contact& contact : system.contacts()) {
-    const double u = contact.of(start.u), v = contact.sign * contact.of(start.v);
-    if (v >= 0.0 || contact.clearance(u) > 1e-12 * std::abs(u)) continue;
-    if (const auto before = known(contact.where, contact.joint); before != impacts.end())
-      before->speed = std::max(before->speed, -v);
-    else
-      impacts.push_back({contact.where, contact.joint, 0.0, -v});
-  }
-  ChatterWatch watch(system);
-  if (is_penalised(trial.run.method)) found.chatters = false;
-  const double way_and_back = 2.0 * scene.bar.transit();
-  double steps = 0.0;
-  Observers observers;
-  observers.event = [&](const Event& event) {
-    if (found.chatters && watch.heard(event)) found.chatters = true;
-    const std::size_t joint = event.where == Where::joint ? event.node : 0;
-    if (event.change != Change::closing || known(event.where, joint) != impacts.end()) return;
-    const EndInput& input = event.where == Where::left ? scene.left_input : scene.right_input;
-    const bool moves = joint == 0 && event.where != Where::span && input.motion;
-    const double obstacle = moves ? input.motion->velocity(event.time) : 0.0;
-    impacts.push_back({event.where, joint, event.time, std::abs(event.velocity - obstacle)});
-  };
-  observers.progress = [&](double time) {
-    const bool met = impacts.size() == places;
-    const bool heard =
-        found.chatters.value_or(true) || (met && !impacts.empty() && time > impacts.back().time + way_and_back);
-    return (met && heard) || ++steps > most_steps || (stop && stop()) ? RunControl::stop : RunControl::go_on;
-  };
-  try {
-    if (impacts.size() < places || found.chatters) simulate(trial, system, observers);
-  } catch (const IntegrationError&) {
-    steps = INFINITY;
-  }
-  sight.complete = impacts.size() == places || steps <= most_steps;
-  if (steps > most_steps && found.chatters == false) found.chatters.reset();
-  return sight;
-}
-
-}  // namespace
-
-std::optional<Foresight> foresee(const Setup& setup, const std::function<bool()>& stop) {
-  const Case& run = setup.run;
-  if (!meets_obstacle(run.scene)) return Foresight{};
-  Case trial = run;
-  trial.output_every = run.end;
-  trial.directions.clear();
-  const auto elements = static_cast<double>(run.elements);
-  // Waves tell it exactly, where they are what is asked for.
-  const bool exact = run.method == MethodName::characteristics;
-  Sight own = foreseen_by(trial, exact ? 1e300 : 3e6 / elements, stop);
-  if (own.complete) return own.found;
-  trial.method = MethodName::fully_discrete;
-  trial.step = std::min(setup.mesh.spacing() / run.scene.bar.wave_speed(), run.end / 500.0);
-  constexpr double most_nodal_steps = 1e8;
-  if (1.5 * run.end / *trial.step * elements > most_nodal_steps) return std::nullopt;
-  // A rigid obstacle is met no later.
-  trial.scene.left_input.stop = trial.scene.right_input.stop = {};
-  const double step = *trial.step;
-  const Sight fine = foreseen_by(trial, 1e300, stop);
-  trial.step = 2.0 * step;
-  const Sight coarse = foreseen_by(trial, 1e300, stop);
-  if (!fine.complete) return std::nullopt;
-  const auto of = [](const Sight& sight, const FirstImpact& one) {
-    return std::ranges::find_if(sight.found.impacts, [&](const FirstImpact& other) {
-      return other.where == one.where && other.joint == one.joint;
-    });
-  };
-  for (FirstImpact impact : fine.found.impacts) {
-    if (of(own, impact) != own.found.impacts.end()) continue;
-    const auto other = of(coarse, impact);
-    const bool both = other != coarse.found.impacts.end();
-    // A scheme has contact changes at the ends of its steps, and begins half a step late.
-    impact.time_error = both ? std::max(2.0 * step, std::abs(other->time - impact.time)) : impact.time;
-    impact.speed_error = both ? std::abs(other->speed - impact.speed) : impact.speed;
-    own.found.impacts.push_back(impact);
-  }
-  std::ranges::stable_sort(own.found.impacts, {}, &FirstImpact::time);
-  return own.found;
-}
-
 std::string contact_law(const Setup& setup) {
   if (setup.mass == Mass::redistributed) return "contact: nodes at an obstacle have no mass to be thrown back";
   const Case& run = setup.run;
   if (!run.restitution) return "contact: springs without dashpot throw nodes back, as restitution 1 does";
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);
 }
-
-namespace {
-
-// The bar that a node is of, as whole_section() there; of a rigid body nothing.
-Bar bar_at(const BarSystem& system, std::size_t node) {
-  for (const Piece& piece : system.elements().pieces())
-    if (!piece.rigid() && piece.first <= node && node <= piece.last()) {
-      const std::size_t e = std::min(node - piece.first, piece.mesh.elements - 1);
-      return whole_section(piece.bar, piece.mesh.element(e) / piece.stretch(e));
-    }
-  return {0.0, 0.0, 0.0, 0.0};
-}
-
-}  // namespace
 
 std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& system) {
   const Case& run = setup.run;
@@ -342,7 +222,8 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
     const double own = contact.joint > 0 ? system.inertia().contact_mass(contact) : masses[contact.unknown];
     mass = std::max(mass, own);
     const std::size_t node = contact.unknown + system.unknowns().first_node();
-    const Bar behind = bar_at(system, node), before = contact.joint > 0 ? bar_at(system, node - 1) : Bar{0, 0, 0, 0};
+    const std::vector<Piece>& pieces = system.elements().pieces();
+    const Bar behind = bar_at(pieces, node), before = contact.joint > 0 ? bar_at(pieces, node - 1) : Bar{0, 0, 0, 0};
     viscous |= behind.damped() || before.damped();
     // V times it is the force of the waves that an impact at speed V sends into both sides.
     const double z = behind.impedance(), other = before.impedance(),

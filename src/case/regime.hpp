@@ -17,11 +17,6 @@ inline bool is_no_obstacle(double penetration, double displacement) {
   return penetration > 0.0 && penetration >= share * displacement;
 }
 
-/// A bar of section 1 with the mass, the stiffness and the viscosity of one of section A.
-inline Bar whole_section(Bar bar, double area) {
-  bar.density *= area, bar.modulus *= area, bar.viscosity *= area;
-  return bar;
-}
 /// The bar at an end, of several in line the nearest, as whole_section() there and as long as all of them.
 struct EndBar {
   Bar bar;

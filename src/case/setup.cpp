@@ -8,12 +8,18 @@
 #include "case/method_table.hpp"
 #include "case/regime.hpp"
 #include "discretisation/gauss.hpp"
+#include "dynamics/pieces.hpp"
 #include "scene/end_kinds.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
 
 namespace {
+
+// A dashpot at a joint, which makes a chain of elastic bars a damped one, is no viscosity of theirs.
+bool has_viscous_bar(const Scene& scene) {
+  return std::ranges::any_of(scene_bars(scene), [](const SceneBar& one) { return one.bar.viscosity > 0.0; });
+}
 
 bool redistributes(const Case& run) {
   const std::size_t massless = bare_obstacles(run.scene);
@@ -80,9 +86,7 @@ Chosen<Mass> mass_of(const Case& run) {
 Chosen<double> epsilon_of(const Case& run, const Mesh& mesh) {
   if (run.epsilon) return {*run.epsilon, asked};
   Bar bar = whole_section(run.scene.bar, largest_end(run.scene));
-  // A dashpot at a joint, which makes a chain of elastic bars a damped one, is no viscosity of theirs.
-  const auto is_viscous = [](const Member& member) { return member.bar.viscosity > 0.0; };
-  if (!run.scene.chain.empty() && std::ranges::none_of(run.scene.chain, is_viscous)) bar.viscosity = 0.0;
+  if (!has_viscous_bar(run.scene)) bar.viscosity = 0.0;
   const double h = mesh.spacing(), share = h / bar.length, wanted = share * share / 8.0;
   const double unit = natural_epsilon(run.scene), speed = bar.wave_speed();
   // A mass that strikes an obstacle is (m epsilon)^(1/2) times its speed deep before it stops.
@@ -138,12 +142,7 @@ Mass common_mass(const Case& run) {
 
 double largest_end(const Scene& scene) {
   double largest = 0.0;
-  const auto look = [&](const SpaceFunction& section, double length) {
-    largest = std::max({largest, section ? section(0.0) : 1.0, section ? section(length) : 1.0});
-  };
-  if (scene.chain.empty()) look(scene.section, scene.bar.length);
-  for (const Member& member : scene.chain)
-    if (!member.rigid()) look(member.section, member.bar.length);
+  for (const SceneBar& one : scene_bars(scene)) largest = std::max({largest, one.area(0.0), one.area(one.bar.length)});
   return largest;
 }
 
@@ -163,11 +162,7 @@ AutomaticMethod automatic_method(const Case& run) {
   }
   if (run.epsilon || scene.span || has_stops(scene, [](const Stop& stop) { return !stop.linear(); }))
     return {meshed, ""};
-  // A dashpot at a joint is enough for whole_of() a chain to be damped.
-  const bool viscous = scene.chain.empty()
-                           ? scene.bar.viscosity > 0.0
-                           : std::ranges::any_of(scene.chain, [](const Member& m) { return m.bar.viscosity > 0.0; });
-  if (viscous) return {meshed, ""};
+  if (has_viscous_bar(scene)) return {meshed, ""};
   if (!validate(scene).empty()) return {MethodName::characteristics, ""};
   const auto meshed_because = [meshed](const std::string& why) {
     return AutomaticMethod{

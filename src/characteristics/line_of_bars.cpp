@@ -4,22 +4,14 @@
 #include <algorithm>
 
 #include "characteristics/run.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar::characteristics {
 
 std::vector<LineBar> bars_of(const Scene& scene) {
-  const auto of = [](std::size_t member, double begin, const Bar& bar, const SpaceFunction& section) {
-    const double area = section ? section(0.0) : 1.0;
-    return LineBar{member, begin, bar.length, bar.density, area, bar.wave_speed()};
-  };
-  if (scene.chain.empty()) return {of(0, 0.0, scene.bar, scene.section)};
   std::vector<LineBar> bars;
-  double begin = 0.0;
-  for (std::size_t m = 0; m < scene.chain.size(); ++m) {
-    const Member& member = scene.chain[m];
-    if (!member.rigid()) bars.push_back(of(m, begin, member.bar, member.section));
-    begin += member.bar.length;
-  }
+  for (const SceneBar& one : scene_bars(scene))
+    bars.push_back({one.member, one.begin, one.bar.length, one.bar.density, one.area(0.0), one.bar.wave_speed()});
   return bars;
 }
 

@@ -96,19 +96,16 @@ std::string table(const Case& run, const Outcome& outcome, const std::vector<Eve
                   with(energy->balance_error(), 2));
     }
     if (const auto& account = statistics->account) {
-      const auto contact = [&](const std::string& where, bool there, const char* closing, const auto& obstacle) {
-        if (there)
-          text += row(where, "{}, in contact for {}, impulse {}, peak reaction {}", counted(obstacle.closings, closing),
-                      with_unit(obstacle.contact.total(outcome.reached_time), run.scene, Dimension::time),
-                      with_unit(obstacle.impulse, run.scene, Dimension::impulse),
-                      with_unit(obstacle.peak_reaction, run.scene, Dimension::force));
-      };
-      contact("left obstacle", is_obstacle(run.scene.left), "closing", account->left);
-      contact("right obstacle", is_obstacle(run.scene.right), "closing", account->right);
-      contact("span obstacle", run.scene.span.has_value(), "closing of nodes", account->span);
-      for (std::size_t k = 1; k < run.scene.chain.size(); ++k)
-        contact(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, "closing",
-                account->joint(k));
+      for (const ContactPlace& place : contact_places(run.scene)) {
+        const ContactAccount of = place.account(*account);
+        text += row(place.joint > 0 ? fmt::format("joint {}", place.joint)
+                                    : fmt::format("{} obstacle", viscobar::name(place.where)),
+                    "{}, in contact for {}, impulse {}, peak reaction {}",
+                    counted(of.closings, place.where == Where::span ? "closing of nodes" : "closing"),
+                    with_unit(of.contact.total(outcome.reached_time), run.scene, Dimension::time),
+                    with_unit(of.impulse, run.scene, Dimension::impulse),
+                    with_unit(of.peak_reaction, run.scene, Dimension::force));
+      }
       // A resumed run has not heard of those before.
       if (events.size() == outcome.events) text += contact_rows(run, events);
       const auto motion = [&](const char* where, const EndCondition& kind, const EndAccount& end) {

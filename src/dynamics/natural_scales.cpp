@@ -112,12 +112,8 @@ double moved_by_obstacles(const BarSystem& system, double end) {
 }  // namespace
 
 double area_at(const BarSystem& system, bool right) {
-  const std::vector<Piece>& pieces = system.elements().pieces();
-  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
-  const Piece& piece =
-      right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
-  const std::size_t e = right ? piece.mesh.elements - 1 : 0;
-  return piece.mesh.element(e) / piece.stretch(e);
+  const Piece& bar = end_bar(system.elements().pieces(), right);
+  return bar.area(bar.end_element(right));
 }
 
 double displacement_of_data(const BarSystem& system, double end) {

@@ -1,8 +1,21 @@
 #include "dynamics/pieces.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace viscobar {
+
+std::vector<SceneBar> scene_bars(const Scene& scene) {
+  if (scene.chain.empty()) return {{0, 0.0, scene.bar, scene.section}};
+  std::vector<SceneBar> bars;
+  double begin = 0.0;
+  for (std::size_t m = 0; m < scene.chain.size(); ++m) {
+    const Member& member = scene.chain[m];
+    if (!member.rigid()) bars.push_back({m, begin, member.bar, member.section});
+    begin += member.bar.length;
+  }
+  return bars;
+}
 
 std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   const auto section = [](const SpaceFunction& area, const Places& places, const Mesh& own) {
@@ -27,6 +40,18 @@ std::vector<Piece> pieces_of(const Scene& scene, const Mesh& mesh) {
   if (pieces.back().last() != mesh.elements)
     throw std::invalid_argument("the mesh of several bars in line has the elements of each and one for each joint");
   return pieces;
+}
+
+const Piece& end_bar(const std::vector<Piece>& pieces, bool right) {
+  const auto is_bar = [](const Piece& piece) { return !piece.rigid(); };
+  return right ? *std::ranges::find_if(pieces.rbegin(), pieces.rend(), is_bar) : *std::ranges::find_if(pieces, is_bar);
+}
+
+Bar bar_at(const std::vector<Piece>& pieces, std::size_t node) {
+  for (const Piece& piece : pieces)
+    if (!piece.rigid() && piece.has(node))
+      return whole_section(piece.bar, piece.area(std::min(node - piece.first, piece.mesh.elements - 1)));
+  return {0.0, 0.0, 0.0, 0.0};
 }
 
 std::vector<Bar> element_bars(const Scene& scene, const Mesh& mesh) {

@@ -265,7 +265,7 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
 }
 
 Json to_json(const FirstImpact& impact) {
-  return {{"where", impact.joint > 0 ? fmt::format("joint:{}", impact.joint) : std::string(name(impact.where))},
+  return {{"where", name(ContactPlace{impact.where, impact.joint})},
           {"time", impact.time},
           {"speed", impact.speed},
           {"time_error", impact.time_error},

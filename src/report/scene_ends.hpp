@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "viscobar/scene/scene.hpp"
+#include "run/contact_places.hpp"
 
 namespace viscobar {
 
@@ -35,6 +35,7 @@ struct SceneEnd {
   const EndCondition& condition;
   const EndInput& input;
 
+  ContactPlace place() const { return {x > 0.0 ? Where::right : Where::left}; }
   const Obstacle* obstacle() const { return std::get_if<Obstacle>(&condition); }
   /// Where its obstacle is at those times, if that moves; nothing of one that does not.
   std::vector<double> surface(const std::vector<double>& times) const {

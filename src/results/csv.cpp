@@ -81,6 +81,10 @@ std::string_view name(Where where) {
   return names[static_cast<std::size_t>(where)];
 }
 
+std::string name(const ContactPlace& place) {
+  return place.joint > 0 ? fmt::format("joint:{}", place.joint) : std::string(name(place.where));
+}
+
 std::string place(const Event& event) {
   return event.where == Where::left || event.where == Where::right
              ? std::string(name(event.where))

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "dynamics/gauge.hpp"
-#include "viscobar/run/run.hpp"
+#include "run/contact_places.hpp"
 
 namespace viscobar {
 
@@ -41,7 +41,8 @@ std::string joints_row(const Snapshot& at, std::span<const std::size_t> nodes);
 /// A word as a cell, RFC 4180: in quotes where it holds a comma, quotes or a new line.
 std::string csv_text(const std::string& word);
 
-std::string_view name(Where where);  ///< left, right, span or joint
+std::string_view name(Where where);           ///< left, right, span or joint
+std::string name(const ContactPlace& place);  ///< left, right, span or joint:<number>
 /// left, right, span:<mesh node> or joint:<number>
 std::string place(const Event& event);
 

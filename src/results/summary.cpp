@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "input/described_scene.hpp"
+#include "results/csv.hpp"
 #include "results/json.hpp"
 #include "viscobar/results/versions.hpp"
 
@@ -16,25 +17,18 @@ namespace {
 Json contact_json(const Scene& scene, const Outcome& outcome) {
   const auto account = outcome.statistics ? outcome.statistics->account : std::nullopt;
   Json contacts = Json::object();
-  const auto add = [&](const std::string& where, bool there, auto of_account) {
-    if (!there) return;
-    Json& json = contacts[where];
-    if (!account) return;
+  for (const ContactPlace& place : contact_places(scene)) {
+    Json& json = contacts[name(place)];
+    if (!account) continue;
     // An object from here on: [] would make null one before it has the memory for it, and the library fall over that.
     json = Json::object();
-    const auto& of = of_account();
+    const ContactAccount of = place.account(*account);
     json["closings"] = of.closings;
-    if constexpr (requires { of.openings; }) json["openings"] = of.openings;
+    if (place.where == Where::span) json["openings"] = account->span.openings;
     json["time_in_contact"] = of.contact.total(outcome.reached_time);
     json["impulse"] = of.impulse;
     json["max_reaction"] = of.peak_reaction;
-  };
-  add("left", is_obstacle(scene.left), [&] { return account->left; });
-  add("right", is_obstacle(scene.right), [&] { return account->right; });
-  add("span", scene.span.has_value(), [&] { return account->span; });
-  for (std::size_t k = 1; k < scene.chain.size(); ++k)
-    add(fmt::format("joint:{}", k), scene.chain[k - 1].joint.kind == JointKind::contact,
-        [&] { return account->joint(k); });
+  }
   return contacts;
 }
 

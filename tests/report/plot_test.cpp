@@ -73,7 +73,7 @@ TEST(Axis, OfDecadesHasRoomForMarksAtItsEnds) {
   Range range;
   range.add(1e-8);
   range.add(1e-2);
-  const Axis axis = range.decades("", 1.3);
+  const Axis axis = range.decades("");
   EXPECT_DOUBLE_EQ(axis.low, 1e-8 / 1.3);
   EXPECT_DOUBLE_EQ(axis.high, 1.3e-2);
   EXPECT_EQ(labels(ticks(axis, 9)).size(), 7u);

@@ -7,24 +7,21 @@
 
 #include "dynamics/contact_forces.hpp"
 #include "dynamics/contact_rows.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar {
 
 namespace {
 
-// A of an element, as its stiffness has it.
-double area_of(const Elements& elements, std::size_t e) { return elements.mesh().element(e) / elements.stretch(e); }
-
-// The mean of that over all bars; 1 of one without a section.
-double mean_area(const Elements& elements) {
-  if (elements.rows_alike()) return 1.0;
-  double volume = 0.0, length = 0.0;
-  for (std::size_t e = 0; e < elements.mesh().elements; ++e) {
-    if (!elements.is_of_bar(e)) continue;
-    volume += area_of(elements, e) * elements.mesh().element(e);
-    length += elements.mesh().element(e);
+// The mass of all members.
+double mass_of(const std::vector<Piece>& pieces) {
+  double mass = 0.0;
+  for (const Piece& piece : pieces) {
+    mass += piece.mass;
+    for (std::size_t e = 0; e < piece.mesh.elements; ++e)
+      mass += piece.bar.density * piece.area(e) * piece.mesh.element(e);
   }
-  return volume / length;
+  return mass;
 }
 
 }  // namespace
@@ -35,7 +32,7 @@ Agreement::Agreement(PenalisedSystem& system, LegStepper& stepper, std::size_t s
       indicators_(contacts_, system.load()),
       stepper_(stepper),
       held_row_(std::move(held_row)),
-      area_(mean_area(system.bar().elements())),
+      mass_(mass_of(system.bar().elements().pieces())),
       state_(size),
       pulls_(contacts_.size()) {}
 
@@ -153,11 +150,14 @@ bool Agreement::counts(std::size_t i, double from, double until, const Bernstein
   const std::size_t node = contacts_[i].unknown;
   const Elements& elements = system_.bar().elements();
   const std::size_t beside = elements.beside(node);
-  const double h = elements.stretch(beside), area = elements.is_of_bar(beside) ? area_of(elements, beside) : area_,
-               impedance = system_.bar().inertia().massless(node) ? 0.0 : area * bar.impedance();
+  const double h = elements.stretch(beside), dashpot = bar.viscosity / elements.rate_stretch(beside),
+               own = bar_at(elements.pieces(), node + system_.bar().unknowns().first_node()).impedance(),
+               impedance = system_.bar().inertia().massless(node) ? 0.0
+                           : own > 0.0                            ? own
+                                                                  : mass_ / bar.transit();  // of a rigid body
   const double force = std::max(-pushes.mean(), 0.0) * bar.modulus / h;
-  const double gained = force / (area_ * bar.density * bar.length) * time;
-  pull.distance += (force / (bar.viscosity / h + impedance) + pull.velocity + 0.5 * gained) * time;
+  const double gained = force / mass_ * time;
+  pull.distance += (force / (dashpot + impedance) + pull.velocity + 0.5 * gained) * time;
   pull.velocity += gained;
   if (const auto body = row_of_free_body(contacts_, i)) {
     const double mass = body->inertia[0];

@@ -24,7 +24,7 @@ inline double orientation(const Contacts& contacts, std::size_t i) { return cont
 /// closes moves in, and the row of a damped node without mass has the sign that the new state asks for. Where it does
 /// not agree at the descent of the indicator, the change is where it begins to.
 ///
-/// A contact that pulls, R < 0, holds back the bar and its node. The bar loses the velocity V = int |R| / (A rho L) dt.
+/// A contact that pulls, R < 0, holds back the bar of mass m and its node. The bar loses a velocity, V = int |R|/m dt.
 /// The node misses the way int |R| / (A eta/h + z) + V dt; z is A sqrt(E rho) for one with mass, else 0. A damped node
 /// without mass, one that a rigid contact holds, and one that toggles on a spring without rebound are let go as soon as
 /// V or that way exceeds the tolerance of a step, and the bar gets V back. A pull that is an error of the motion turns
@@ -91,7 +91,7 @@ class Agreement {
   Indicators indicators_;
   LegStepper& stepper_;
   HeldRow held_row_;
-  double area_;                               // of all bars, in the mean
+  double mass_;                               // of all members
   std::vector<double> state_, acceleration_;  // where the indicator descends
   std::vector<Pull> pulls_;                   // of each contact
   std::size_t distrusted_ = 0;

@@ -160,7 +160,7 @@ bool ContactChanges::is_of_scene(double t, std::size_t i, double closing) const 
                bar.supports(),
                [&](const Support& support) { return support.unknown == unknown && support.mass > 0.0; }) ||
            std::ranges::any_of(bar.elements().pieces(), [&](const Piece& piece) {
-             return piece.rigid() && piece.first == unknown + bar.unknowns().first_node();
+             return piece.rigid() && piece.has(unknown + bar.unknowns().first_node());
            });
   };
   const Contact& contact = contacts_[i];

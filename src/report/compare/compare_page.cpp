@@ -149,7 +149,9 @@ std::vector<Interval> contact_intervals(const Recording& recording, Where where)
 Picture contacts_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   std::vector<Panel> panels;
-  const auto panel = [&](Where where, const std::string& axis) {
+  for (const auto& [where, joint] : contact_places(scene)) {
+    if (joint > 0) continue;
+    const std::string axis = fmt::format("{}{}", name(where), where == Where::span ? "" : " end");
     const double rows = static_cast<double>(runs.size());
     Axis down{.label = axis, .low = rows - 0.5, .high = -0.5, .bare = true};
     for (const MethodRun* run : runs) down.rows.push_back(label(*run));
@@ -158,10 +160,7 @@ Picture contacts_picture(const Scene& scene, const Comparison& check) {
       figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
                   label(*runs[i]));
     panels.push_back({fmt::format("contact-{}", name(where)), "Times in contact by each method: " + axis, figure});
-  };
-  if (is_obstacle(scene.left)) panel(Where::left, "left end");
-  if (is_obstacle(scene.right)) panel(Where::right, "right end");
-  if (scene.span) panel(Where::span, "span");
+  }
   return {"Contact",
           std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
               (scene.span ? " Under the span: times when any node is in contact." : ""),

@@ -16,16 +16,13 @@ using plot::Figure;
 using plot::Point;
 using plot::Range;
 
-constexpr const char* soft = "var(--soft)";
-constexpr double margin = 1.3;  // room for the marks at either end
-
 NumberText on_page(const LimitStudy& study) { return NumberText::page(study.scene.scene); }
 
 Axis epsilon_axis(const LimitStudy& study, const LimitResult& result) {
   const NumberText number = on_page(study);
   Range range;
   for (const LimitRow& row : result.rows) range.add(row.epsilon);
-  Axis axis = range.decades(number.heading("penalty ε", number.of_epsilon), margin);
+  Axis axis = range.decades(number.heading("penalty ε", number.of_epsilon));
   axis.link = "epsilon";
   return axis;
 }
@@ -67,7 +64,7 @@ Axis decades_of(std::string label, const Lines& lines, const std::vector<double>
   for (const auto& line : lines) range.add(line);
   for (const double level : levels)
     if (level > 0.0) range.add(level);
-  return range.decades(std::move(label), margin);
+  return range.decades(std::move(label));
 }
 
 std::string slope_name(double order) {
@@ -82,7 +79,8 @@ void slope_line(Figure& figure, const std::vector<Point>& points, double order, 
   for (const Point& point : points)
     if (point.x >= 0.99 * low && point.x <= 1.01 * high) least = std::min(least, point.y / std::pow(point.x, order));
   const auto at = [&](double x) { return Point{x, shift * least * std::pow(x, order)}; };
-  if (std::isfinite(least)) figure.line(std::vector<Point>{at(low), at(high)}, {soft, true, 1.4}, slope_name(order));
+  if (std::isfinite(least))
+    figure.line(std::vector<Point>{at(low), at(high)}, {"var(--soft)", true, 1.4}, slope_name(order));
 }
 
 /// Lines of theory for one curve: the node's power below the boundary of the regimes, the layer's above.

@@ -59,9 +59,10 @@ struct Range {
   Axis axis(std::string label) const {
     return low <= high ? fitted(std::move(label), low, high) : Axis{std::move(label)};
   }
-  /// A logarithmic one, of positive values; `margin` is room for marks at either end, beyond whole decades where they
-  /// lie at one.
-  Axis decades(std::string label, double margin = 1.0) const {
+  /// A logarithmic one, of positive values, with room for marks at either end, beyond whole decades where they lie at
+  /// one.
+  Axis decades(std::string label) const {
+    constexpr double margin = 1.3;
     if (!(low <= high)) return {std::move(label), 0.1, 1.0, Scale::logarithmic};
     Axis axis = fitted_decades(std::move(label), low, high);
     axis.low = std::min(axis.low, low / margin);

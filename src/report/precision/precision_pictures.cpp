@@ -16,20 +16,11 @@ using plot::Point;
 using plot::Range;
 using plot::Style;
 
-constexpr const char* soft = "var(--soft)";
-
 bool among(const auto& values, const auto& value) { return std::ranges::find(values, value) != values.end(); }
-
-std::vector<MethodName> methods_in(const PrecisionResult& result) {
-  std::vector<MethodName> methods;
-  for (const ErrorParts& parts : result.parts)
-    if (!among(methods, parts.method)) methods.push_back(parts.method);
-  return methods;
-}
 
 /// The same in every picture; schemes are dashed, so that the palette may come round.
 Style style_of(const PrecisionResult& result, MethodName method) {
-  const auto methods = methods_in(result);
+  const auto methods = values_in(result, &ErrorParts::method);
   const auto place = static_cast<std::size_t>(std::ranges::find(methods, method) - methods.begin());
   return {plot::series_colour(place), is_scheme(method), 1.8, place};
 }
@@ -47,8 +38,6 @@ std::vector<Point> points_of(std::span<const PrecisionRow> rows, X x, Y y) {
 double seconds(const PrecisionRow& row) { return row.seconds; }
 double setting(const PrecisionRow& row) { return row.setting; }
 std::optional<double> error(const PrecisionRow& row) { return row.error; }
-
-constexpr double margin = 1.3;  // room for the marks at either end
 
 /// Labels in the frame, those that would lie on each other joined.
 void draw_labels(Figure& figure, const Axis& x, const Axis& y,
@@ -80,11 +69,11 @@ std::optional<Figure> diagram(const PrecisionResult& result, std::span<const std
     }
   if (!(y.low <= y.high)) return std::nullopt;
   if (meshes.size() > 1) x.add(3.0 * x.high);  // room for the labels
-  const Axis along = x.decades("seconds", margin), up = y.decades(label, margin);
+  const Axis along = x.decades("seconds"), up = y.decades(label);
   Figure figure(along, up, 420.0);
   std::vector<std::pair<Point, std::string>> labels;
   if (meshes.size() == 1 && meshes_in(result).size() > 1) figure.legend_note(fmt::format("{} elements", meshes[0]));
-  if (floor > up.low && floor < up.high) figure.level(floor, {soft, true, 1.2}, "reference's own");
+  if (floor > up.low && floor < up.high) figure.level(floor, {"var(--soft)", true, 1.2}, "reference's own");
   std::vector<MethodName> named;
   for (const ErrorParts& parts : result.parts) {
     if (!among(meshes, parts.elements)) continue;
@@ -149,8 +138,7 @@ Picture parts_picture(const PrecisionResult& result, const NumberText& number) {
     for (const auto& level : {parts.space, parts.penalty})
       if (level && *level > least) y.add(*level);
     const std::string setting = is_scheme(parts.method) ? number.heading("step", Dimension::time) : "tolerance";
-    Figure figure(x.decades(setting, margin),
-                  y.decades(number.heading("error: largest |u − u*|", Dimension::length), margin), 300.0);
+    Figure figure(x.decades(setting), y.decades(number.heading("error: largest |u − u*|", Dimension::length)), 300.0);
     figure.legend_note(name(parts.method));
     figure.line(total, {"var(--rule)", false, 7.0}, "in all");
     if (*parts.space > least) figure.level(*parts.space, {plot::series_colour(2), true, 1.8}, "space");

@@ -120,13 +120,6 @@ Table precision_table(const PrecisionResult& result, const NumberText& number) {
   return table;
 }
 
-std::vector<std::size_t> meshes_in(const PrecisionResult& result) {
-  std::vector<std::size_t> meshes;
-  for (const ErrorParts& parts : result.parts)
-    if (std::ranges::find(meshes, parts.elements) == meshes.end()) meshes.push_back(parts.elements);
-  return meshes;
-}
-
 std::string reference_sentence(const PrecisionResult& result, const NumberText& number) {
   if (!result.reference) return "No total error is given, for the reference failed: " + result.no_reference + ".";
   const PrecisionReference& r = *result.reference;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,8 +31,17 @@ std::string largest_part(const PrecisionResult& result, const PrecisionRow& row)
 std::vector<Column<PrecisionRow>> precision_columns(const PrecisionResult& result);
 Table precision_table(const PrecisionResult& result, const NumberText& number);
 
-/// In the order of the rows.
-std::vector<std::size_t> meshes_in(const PrecisionResult& result);
+/// The values of a member of the parts, each once, in the order of the rows.
+template <class Value>
+std::vector<Value> values_in(const PrecisionResult& result, Value ErrorParts::*member) {
+  std::vector<Value> values;
+  for (const ErrorParts& parts : result.parts)
+    if (std::ranges::find(values, parts.*member) == values.end()) values.push_back(parts.*member);
+  return values;
+}
+inline std::vector<std::size_t> meshes_in(const PrecisionResult& result) {
+  return values_in(result, &ErrorParts::elements);
+}
 
 /// The reference of the errors, and its own error.
 std::string reference_sentence(const PrecisionResult& result, const NumberText& number);

@@ -9,14 +9,18 @@ namespace viscobar {
 
 namespace {
 
-std::vector<std::pair<std::size_t, std::size_t>> nodes_of_members(const Scene& scene, const Mesh& mesh) {
+std::vector<std::pair<std::size_t, std::size_t>> nodes_of_members(const BarSystem& system) {
   std::vector<std::pair<std::size_t, std::size_t>> nodes;
-  for (std::size_t m = 0; m < scene.chain.size(); ++m) {
-    const bool apart = m > 0 && scene.chain[m - 1].joint.kind != JointKind::bonded;
-    const std::size_t first = m == 0 ? 0 : nodes.back().second + (apart ? 1 : 0);
-    nodes.emplace_back(first, first + (*mesh.members)[m].elements);
-  }
+  for (const Piece& piece : system.elements().pieces()) nodes.emplace_back(piece.first, piece.last());
   return nodes;
+}
+
+auto& end_of(auto& data, const BarSystem& system, const ContactPlace& place) {
+  if (place.where != Where::joint)
+    return place.where == Where::left ? data.left : place.where == Where::right ? data.right : data.span;
+  const auto& known = system.elements().joints();
+  const auto joint = std::ranges::find(known, place.joint, &JointNodes::number);
+  return data.joints[static_cast<std::size_t>(joint - known.begin())];
 }
 
 }  // namespace
@@ -62,8 +66,8 @@ std::pair<std::vector<double>, std::vector<double>> ThinnedField::envelope() con
 }
 
 ReportData::ReportData(const Case& run, const BarSystem& system)
-    : field(system.mesh(), ThinnedField::At::nodes, nodes_of_members(run.scene, system.mesh())),
-      stress(system.mesh(), ThinnedField::At::elements, nodes_of_members(run.scene, system.mesh())),
+    : field(system.mesh(), ThinnedField::At::nodes, nodes_of_members(system)),
+      stress(system.mesh(), ThinnedField::At::elements, nodes_of_members(system)),
       joints(system.elements().joints().size()),
       readings(run.gauges.size()),
       system_(system),
@@ -90,6 +94,8 @@ void ReportData::End::add(const Event& event) {
 void ReportData::Fastest::join(const Fastest& next) {
   if (std::abs(next.event.velocity) > std::abs(event.velocity)) event = next.event;
 }
+
+const ReportData::End& ReportData::at(const ContactPlace& place) const { return end_of(*this, system_, place); }
 
 void ReportData::add(const Snapshot& at) {
   const auto stress_of = [&](std::size_t j) {
@@ -131,12 +137,7 @@ void ReportData::add(const Snapshot& at) {
 void ReportData::add(const Event& event) {
   if (first_events.size() < most_events) first_events.push_back(event);
   marked_events.add({event});
-  if (event.where == Where::joint)
-    return joints[static_cast<std::size_t>(
-                      std::ranges::find(system_.elements().joints(), event.node, &JointNodes::number) -
-                      system_.elements().joints().begin())]
-        .add(event);
-  if (event.where != Where::span) return (event.where == Where::left ? left : right).add(event);
+  if (event.where != Where::span) return end_of(*this, system_, {event.where, event.node}).add(event);
   if (event.change == Change::closing || event.peak) span.add(event);
   // An end lies on it, too.
   if (event.node == 0) left.add(event);

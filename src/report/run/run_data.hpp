@@ -9,6 +9,7 @@
 #include "dynamics/gauge.hpp"
 #include "report/plot/axis.hpp"
 #include "report/plot/thinning.hpp"
+#include "run/contact_places.hpp"
 #include "viscobar/case/case.hpp"
 
 namespace viscobar {
@@ -142,6 +143,8 @@ class ReportData {
   }
 
   bool has_springs() const { return has_springs_; }
+  /// The end, span or joint at a place of contacts.
+  const End& at(const ContactPlace& place) const;
 
  private:
   const BarSystem& system_;

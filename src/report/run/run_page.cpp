@@ -82,20 +82,15 @@ std::string contact_section(const Setup& setup, const BarSystem& system, const O
                number.heading("peak reaction", Dimension::force)},
               1,
               {}};
-  const auto add = [&](std::string where, bool there, const auto& obstacle) {
-    if (there)
-      table.rows.push_back({std::move(where), fmt::format("{}", obstacle.closings),
-                            readable(obstacle.contact.total(outcome.reached_time)), readable(obstacle.impulse),
-                            readable(obstacle.peak_reaction)});
-  };
-  add("left end", is_obstacle(run.scene.left), account.left);
-  add("right end", is_obstacle(run.scene.right), account.right);
-  add("span, its nodes together", run.scene.span.has_value(), account.span);
-  std::size_t closings = account.left.closings + account.right.closings + account.span.closings;
-  for (std::size_t k = 1; k < run.scene.chain.size(); ++k) {
-    const ContactAccount joint = account.joint(k);
-    add(fmt::format("joint {}", k), run.scene.chain[k - 1].joint.kind == JointKind::contact, joint);
-    closings += joint.closings;
+  std::size_t closings = 0;
+  for (const ContactPlace& place : contact_places(run.scene)) {
+    const ContactAccount of = place.account(account);
+    table.rows.push_back({place.joint > 0              ? fmt::format("joint {}", place.joint)
+                          : place.where == Where::span ? "span, its nodes together"
+                                                       : fmt::format("{} end", name(place.where)),
+                          fmt::format("{}", of.closings), readable(of.contact.total(outcome.reached_time)),
+                          readable(of.impulse), readable(of.peak_reaction)});
+    closings += of.closings;
   }
   if (table.rows.empty()) return {};
   std::vector<std::string> notes;

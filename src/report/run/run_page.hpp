@@ -60,12 +60,8 @@ struct TimeLine {
 std::vector<plot::Point> with_contacts(const std::vector<plot::Point>& line,
                                        const std::vector<plot::Interval>& contacts,
                                        const std::function<double(double t, double reaction)>& value);
-/// Contacts of the end "left" or "right", up to the time that the run reached.
-std::vector<plot::Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data);
-/// Contacts of the joint of that number, from 1.
-std::vector<plot::Interval> contacts_of_joint(std::size_t number, const Scene& scene, const Outcome& outcome,
-                                              const ReportData& data);
-std::vector<plot::Interval> contacts_of_span(const Outcome& outcome, const ReportData& data);
+/// Contacts of a place, up to the time that the run reached.
+std::vector<plot::Interval> contacts_of(const ContactPlace& place, const Outcome& outcome, const ReportData& data);
 
 /// Lines over the time of the run, with zero in view.
 plot::Figure over_time(const Case& run, const ReportData& data, const std::string& axis, double height,

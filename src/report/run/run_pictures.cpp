@@ -138,7 +138,7 @@ Picture end_traces(const Case& run, const Outcome& outcome, const ReportData& da
       std::erase_if(*levels, [&](const ObstacleLevel& level) { return !range.reach(level.u); });
     Figure figure(time_axis(data.field, on_page(run)), range.axis(displacement_label(run, label)), 220.0);
     if (body || run.scene.span)
-      figure.shade(contacts_of(end.name, outcome, data), plot::series_colour(colour), "in contact");
+      figure.shade(contacts_of(end.place(), outcome, data), plot::series_colour(colour), "in contact");
     for (const ObstacleLevel& level : shown)
       figure.level(level.u, {"var(--ink)", true, 1.2}, obstacle_text(run, level));
     if (!surface.empty()) figure.line(surface, {"var(--ink)", true, 1.2}, "obstacle");
@@ -202,35 +202,9 @@ Picture gauges(const Case& run, const ReportData& data) {
   return picture;
 }
 
-namespace {
-
-const RunAccount* account_of(const Outcome& outcome) {
-  return outcome.statistics && outcome.statistics->account ? &*outcome.statistics->account : nullptr;
-}
-
-}  // namespace
-
-std::vector<Interval> contacts_of(std::string_view end, const Outcome& outcome, const ReportData& data) {
-  const RunAccount* account = account_of(outcome);
-  const bool left = end == "left";
-  const ContactPeak lasting = account ? (left ? account->left : account->right).latest : ContactPeak{};
-  return (left ? data.left : data.right).in_contact(outcome.reached_time, lasting);
-}
-
-std::vector<Interval> contacts_of_joint(std::size_t number, const Scene& scene, const Outcome& outcome,
-                                        const ReportData& data) {
-  const RunAccount* account = account_of(outcome);
-  const bool known = account && number <= account->joints.size();
-  const auto before = std::span(scene.chain).first(number - 1);
-  const auto place =
-      std::ranges::count_if(before, [](const Member& member) { return member.joint.kind != JointKind::bonded; });
-  return data.joints[static_cast<std::size_t>(place)].in_contact(
-      outcome.reached_time, known ? account->joints[number - 1].latest : ContactPeak{});
-}
-
-std::vector<Interval> contacts_of_span(const Outcome& outcome, const ReportData& data) {
-  const RunAccount* account = account_of(outcome);
-  return data.span.in_contact(outcome.reached_time, account ? account->span.latest : ContactPeak{});
+std::vector<Interval> contacts_of(const ContactPlace& place, const Outcome& outcome, const ReportData& data) {
+  const RunAccount account = outcome.statistics ? outcome.statistics->account.value_or(RunAccount()) : RunAccount();
+  return data.at(place).in_contact(outcome.reached_time, place.account(account).latest);
 }
 
 std::vector<Point> with_contacts(const std::vector<Point>& line, const std::vector<Interval>& contacts,
@@ -255,10 +229,12 @@ Picture reactions(const Case& run, const Outcome& outcome, const ReportData& dat
   };
   // Dashed, to be seen where both are equal.
   if (is_obstacle(run.scene.left))
-    add(data.left, contacts_of("left", outcome, data), {plot::series_colour(0), false, 2.4}, "left end");
+    add(data.left, contacts_of({Where::left}, outcome, data), {plot::series_colour(0), false, 2.4}, "left end");
   if (is_obstacle(run.scene.right))
-    add(data.right, contacts_of("right", outcome, data), {plot::series_colour(1), !lines.empty(), 1.6}, "right end");
-  if (run.scene.span) add(data.span, contacts_of_span(outcome, data), {plot::series_colour(2), false, 1.8}, "span");
+    add(data.right, contacts_of({Where::right}, outcome, data), {plot::series_colour(1), !lines.empty(), 1.6},
+        "right end");
+  if (run.scene.span)
+    add(data.span, contacts_of({Where::span}, outcome, data), {plot::series_colour(2), false, 1.8}, "span");
   if (lines.empty()) return {};
   return {"Reactions",
           fmt::format(
@@ -279,8 +255,8 @@ Picture joint_forces(const Case& run, const Outcome& outcome, const ReportData& 
     const std::size_t k = lines.size();
     std::vector<Point> points = data.joints[k].reaction.points();
     if (kind == JointKind::contact)
-      points = with_contacts(points, contacts_of_joint(number, run.scene, outcome, data),
-                             [](double, double n) { return n; });
+      points =
+          with_contacts(points, contacts_of({Where::joint, number}, outcome, data), [](double, double n) { return n; });
     lines.push_back({std::move(points), {plot::series_colour(k), k % 2 == 1, 1.8}, fmt::format("joint {}", number)});
   }
   if (lines.empty()) return {};

@@ -95,11 +95,11 @@ std::string events_json(const ReportData& data, std::size_t happened) {
 std::string supports_json(const Scene& scene, const Outcome& outcome, const ReportData& data) {
   const auto [left, right] = ends_of(scene);
   std::string text =
-      fmt::format(R"({{"left":{},"right":{})", support_json(left, data, contacts_of(left.name, outcome, data)),
-                  support_json(right, data, contacts_of(right.name, outcome, data)));
+      fmt::format(R"({{"left":{},"right":{})", support_json(left, data, contacts_of(left.place(), outcome, data)),
+                  support_json(right, data, contacts_of(right.place(), outcome, data)));
   if (scene.span)
     text += fmt::format(R"(,"span":{{"side":"{}"{}{})", name(scene.span->side), sides_json(*scene.span),
-                        contacts_json(contacts_of_span(outcome, data)));
+                        contacts_json(contacts_of({Where::span}, outcome, data)));
   return text + '}';
 }
 
@@ -115,7 +115,7 @@ std::string axial_json(const Case& run, const Outcome& outcome, const ReportData
     const JointKind kind = run.scene.chain[m - 1].joint.kind;
     joints +=
         fmt::format(R"({}{{"kind":"{}"{})", m > 1 ? "," : "", name(kind),
-                    kind == JointKind::contact ? contacts_json(contacts_of_joint(m, run.scene, outcome, data)) : "}");
+                    kind == JointKind::contact ? contacts_json(contacts_of({Where::joint, m}, outcome, data)) : "}");
   }
   return fmt::format(R"({{"magnification":{},"block":{:.9g},"members":[{}],"joints":[{}]}})", layout.magnification,
                      layout.block, members, joints);

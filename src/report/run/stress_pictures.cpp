@@ -33,7 +33,7 @@ std::vector<Point> traction(const Case& run, const BarSystem& system, const Outc
                         (end.obstacle() && system.inertia().massless(system.unknowns().end(right)));
   const EndInput& input = end.input;
   if (!end.obstacle() || !balanced || input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0) return line;
-  return with_contacts(line, contacts_of(end.name, outcome, data), [&](double t, double reaction) {
+  return with_contacts(line, contacts_of(end.place(), outcome, data), [&](double t, double reaction) {
     const double force = reaction + (input.force ? input.force->value(t) : 0.0);
     return right ? force : -force;
   });

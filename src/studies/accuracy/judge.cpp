@@ -97,14 +97,19 @@ double Plan::magnification() {
   return difference(runs_.of(*finest), runs_.of(nudged(*finest)), Goal::displacement) / moved_by_nudge();
 }
 
+ErrorEstimate Plan::begun_estimate() {
+  ErrorEstimate estimate;
+  estimate.of = study_.request.of;
+  estimate.largest = largest_ = largest(runs_.of(chosen_), study_.request.of);
+  if (study_.request.relative) requested_ = study_.request.error * largest_;
+  if (!as_it_is_) estimate.requested = requested_;
+  return estimate;
+}
+
 // The waves tell what they change the motion by; contact changes may magnify it.
 ErrorEstimate Plan::judge_exact() {
   const Sample& solution = runs_.of(chosen_);
-  ErrorEstimate estimate;
-  estimate.of = study_.request.of;
-  estimate.largest = largest_ = largest(solution, study_.request.of);
-  if (!requested_) requested_ = study_.request.error * largest_;
-  if (!as_it_is_) estimate.requested = requested_;
+  ErrorEstimate estimate = begun_estimate();
   estimate.reasons.push_back(
       "characteristics: the bar has no viscosity, and its waves are followed without a mesh; the "
       "elements are places of output only");
@@ -218,11 +223,7 @@ ErrorEstimate Plan::judge(std::optional<Sample> solution) {
   wanted.push_back(chosen_);
   runs_.make(std::move(wanted));
   if (waves_) return judge_exact();
-  ErrorEstimate estimate;
-  estimate.of = study_.request.of;
-  estimate.largest = largest_ = largest(runs_.of(chosen_), study_.request.of);
-  if (study_.request.relative) requested_ = study_.request.error * estimate.largest;
-  if (!as_it_is_) estimate.requested = requested_;
+  ErrorEstimate estimate = begun_estimate();
   const Case judged = with(chosen_);
   const std::size_t elements = chosen_.elements;
   bool same = true;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "dynamics/natural_scales.hpp"
+#include "dynamics/pieces.hpp"
 
 namespace viscobar::accuracy {
 
@@ -138,15 +139,11 @@ namespace {
 
 // Impedance of the bar that an impulse moves most.
 double least_impedance(const Scene& scene) {
+  constexpr int looks = 200;
   double least = std::numeric_limits<double>::infinity();
-  const auto see = [&](const Bar& bar, const SpaceFunction& section) {
-    constexpr int looks = 200;
+  for (const SceneBar& one : scene_bars(scene))
     for (int k = 0; k <= looks; ++k)
-      least = std::min(least, bar.impedance() * (section ? section(bar.length * k / looks) : 1.0));
-  };
-  if (scene.chain.empty()) see(scene.bar, scene.section);
-  for (const Member& member : scene.chain)
-    if (!member.rigid()) see(member.bar, member.section);
+      least = std::min(least, one.bar.impedance() * one.area(one.bar.length * k / looks));
   return least;
 }
 

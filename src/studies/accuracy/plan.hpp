@@ -107,6 +107,7 @@ class Plan {
   std::vector<Setting> wanted_by_judge() const;
   double moved_by_nudge() const;
   double magnification();
+  ErrorEstimate begun_estimate();
   ErrorEstimate judge_exact();
   void explain(ErrorEstimate& estimate, const Case& run) const;
   std::optional<Setting> without_rebound() const;

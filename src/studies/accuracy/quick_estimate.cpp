@@ -56,14 +56,9 @@ QuickEstimate forecast(Case& run, const AccuracyRequest& request, double seconds
   study.request = request;
   study.threads = 1;  // whose processor time counts
   study.stop = [clock = Stopwatch(), seconds, &stop] { return clock.seconds() > seconds || (stop && stop()); };
-  Plan plan(study);
-  QuickEstimate result;
-  do {
-    run = plan.next();
-    result.estimate = plan.judge();
-  } while (plan.again());
-  result.elements = run.elements;
-  return result;
+  AccuracyResult found = solve(study);
+  run = std::move(found.run);
+  return {std::move(found.estimate), "", run.elements};
 } catch (const StudyStopped&) {
   return {std::nullopt, fmt::format("the search for the settings of [accuracy] takes longer than {:.2g} s", seconds),
           run.elements};

@@ -44,10 +44,11 @@ std::size_t fewest_in_a_bar(const Case& run) {
   return fewest;
 }
 
-Case on_its_mesh(Case run) {
-  if (run.scene.chain.empty()) return run;
-  run.bar_meshes = *run.mesh().members;
-  run.elements = 0;
+Case on_mesh(Case run, const Mesh& mesh) {
+  run.elements = mesh.elements;
+  if (!mesh.members) return run;
+  run.bar_meshes = *mesh.members;
+  run.elements = 0;  // beside those of the joints
   for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
   return run;
 }

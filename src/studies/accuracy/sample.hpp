@@ -13,8 +13,9 @@ namespace viscobar::accuracy {
 
 /// Elements of the bar of a case that has the fewest: of a chain a mesh is refined in all of them by one factor.
 std::size_t fewest_in_a_bar(const Case& run);
-/// The case on the same mesh, whose elements are those of its bars: their multiples have all nodes of it.
-Case on_its_mesh(Case run);
+/// The case on a mesh of its scene, whose elements are those of its bars: their multiples have all nodes of it.
+Case on_mesh(Case run, const Mesh& mesh);
+inline Case on_its_mesh(const Case& run) { return on_mesh(run, run.mesh()); }
 /// Puts a chain on the coarsest of the meshes, and tells the elements of each, all bars refined by one factor. Absent:
 /// a mesh is no multiple of the coarsest, and nothing is changed. One bar has the elements asked for.
 std::optional<std::vector<std::size_t>> refine_by_one_factor(Case& run, std::vector<std::size_t> meshes);

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "run/contact_places.hpp"
 #include "studies/column_reader.hpp"
 #include "text/number.hpp"
 #include "viscobar/studies/ensemble/ensemble.hpp"
@@ -24,14 +25,6 @@ constexpr std::string_view known =
 double read_number(std::string_view text, std::string_view digits) {
   if (const auto value = number_in<double>(digits)) return *value;
   refuse(text, fmt::format("has \"{}\" where a number belongs", digits));
-}
-
-// The numbers of the joints that are contacts.
-std::vector<std::size_t> contacts_of(const Scene& scene) {
-  std::vector<std::size_t> all;
-  for (std::size_t k = 1; k < scene.chain.size(); ++k)
-    if (scene.chain[k - 1].joint.kind == JointKind::contact) all.push_back(k);
-  return all;
 }
 
 }  // namespace
@@ -54,9 +47,9 @@ EnsembleOutput ensemble_output(std::string_view text, const Case& run) {
     if (text == word + "left") return output;
     output.account = 1;
     if (text == word + "right") return output;
-    for (const std::size_t k : contacts_of(run.scene)) {
-      output.account = 1 + k;
-      if (text == fmt::format("{}joint:{}", word, k)) return output;
+    for (const ContactPlace& place : contact_places(run.scene)) {
+      output.account = 1 + place.joint;
+      if (place.joint > 0 && text == fmt::format("{}joint:{}", word, place.joint)) return output;
     }
   }
   if (text == "final") {

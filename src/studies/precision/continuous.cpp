@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "scene/end_kinds.hpp"
+#include "studies/accuracy/sample.hpp"
 #include "studies/precision/solved.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
@@ -122,14 +123,8 @@ Continuous by_characteristics(const Case& scene, std::span<const Mesh> meshes, c
   std::vector<Field> fields;
   double error = 0.0;
   for (const Mesh& mesh : meshes) {
-    Case run = scene;
+    Case run = accuracy::on_mesh(scene, mesh);
     run.method = MethodName::characteristics;
-    run.elements = mesh.elements;
-    if (mesh.members) {  // beside elements of the joints
-      run.bar_meshes = *mesh.members;
-      run.elements = 0;
-      for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
-    }
     Statistics done;
     fields.push_back(field_of(run, mesh, limits, &done));
     if (done.representation) error = std::max(error, done.representation->error);
