@@ -68,9 +68,10 @@ using TimeFunction = std::function<double(double t)>;
 using SpaceTimeFunction = std::function<double(double x, double t)>;
 /// The same with f(x_i, t) at once for many x_i, where that is quicker: a density that holds one is evaluated so.
 struct RowFunction {
-  SpaceTimeFunction value;
+  SpaceTimeFunction value;                                                            ///< f
   std::function<void(std::span<const double> x, double t, std::span<double> f)> row;  ///< as many f as x
 
+  /// f(x, t)
   double operator()(double x, double t) const { return value(x, t); }
 };
 
