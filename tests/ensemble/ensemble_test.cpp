@@ -215,6 +215,7 @@ TEST(Ensemble, AContactTimeJustBeforeTheEndIsWrongByNoMoreThanItsEstimate) {
 
 // Two tolerances may leave out the same bounces before a rest, and tell the changes behind them in their place.
 TEST(Ensemble, ContactTimesCountTheBouncesBelowTheToleranceOrAreNotKept) {
+  constexpr double end = 3.0;
   for (const char* restitution : {"0.1", "0.3", "0.6"}) {
     TextEnsemble made{
         std::string("[bar]\nlength = 1.0\nviscosity = 0.175\n[left]\nkind = \"obstacle\"\ngap = 0.1\n[right]\nkind = "
@@ -235,7 +236,7 @@ TEST(Ensemble, ContactTimesCountTheBouncesBelowTheToleranceOrAreNotKept) {
       ++kept;
       for (std::size_t k = 0; k < 8; ++k) {
         const double time = found.values[0][8 * i + k], of_truth = truth.values[0][8 * i + k];
-        EXPECT_TRUE(std::abs(time - of_truth) <= 3e-3 || (std::isnan(time) && std::isnan(of_truth)))
+        EXPECT_TRUE(std::abs(time - of_truth) <= *study.error * end || (std::isnan(time) && std::isnan(of_truth)))
             << restitution << " " << made.values[0][i] << " " << k;
       }
     }
