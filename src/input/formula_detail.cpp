@@ -53,7 +53,7 @@ std::optional<double> FormulaDetail::operator()(double after, double until) {
   // Waves ask for one passage after the other.
   if (until > until_) {
     until_ = until_ > 0.0 ? 2.0 * until : until;
-    // Copies of one density, of the scene, its estimates and its judges, look in the same interval.
+    // The scene, its estimates and its judges have copies of one density, and all look in the same interval.
     static Known<std::tuple<std::shared_ptr<const FormulaTree>, double, double>, Places> all;
     places_ = along_x_ ? find() : all({tree_, whole_.high, until_}, [this] { return find(); });
   }
