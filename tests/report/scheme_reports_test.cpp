@@ -1,8 +1,10 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "report/compare/compare_tables.hpp"
+#include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/report/reports.hpp"
 
@@ -66,6 +68,23 @@ TEST(ContactPicture, DrawsAContactThatIsClosedFromTheStartOn) {
     widths.push_back(box.substr(0, box.find(' ')) + box.substr(box.find('h')));
   }
   EXPECT_EQ(widths[0], widths[1]);
+}
+
+TEST(ContactPicture, DrawsTheContactsOfEachJoint) {
+  const SceneFile scene = parse_scene(
+      "[[bar]]\nlength = 0.5\nviscosity = 0.05\nvelocity = 1.0\n[[bar]]\nlength = 0.7\nviscosity = 0.05\n[[bar]]\nmass = 0.2\n"
+      "[[joint]]\nkind = \"contact\"\ngap = 0.05\n[[joint]]\nkind = \"contact\"\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n"
+      "[time]\nend = 1.0\n[method]\nname = \"rigid\"\n",
+      "scene");
+  const auto run = [](const Case& of) { return record(of); };
+  const Contender contenders[] = {{"one", scene.run, run}, {"other", scene.run, run}};
+  const PicturedPage page = compare_report(scene, {}, compare(contenders)).page;
+  for (const char* name : {"contact-joint-1", "contact-joint-2"}) {
+    const auto figure = std::ranges::find(page.figures, name, &FigureFile::name);
+    ASSERT_NE(figure, page.figures.end()) << name;
+    for (const char* method : {"one", "other"})
+      EXPECT_NE(figure->svg.find(fmt::format("data-key=\"{}\" d=\"M", method)), std::string::npos) << name << method;
+  }
 }
 
 TEST(OrderText, GivesTheOrderBetweenTwoLevelsAndOfAll) {

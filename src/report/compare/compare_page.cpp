@@ -139,9 +139,10 @@ Picture differences_picture(const Comparison& check) {
 }
 
 /// Times with at least one contact closed there.
-std::vector<Interval> contact_intervals(const Recording& recording, Where where) {
+std::vector<Interval> contact_intervals(const Recording& recording, const ContactPlace& place) {
   plot::ThinnedIntervals all;
-  for (const Touch& touch : touches(changes_at(recording.events, where), [](auto&&...) { return false; }))
+  const auto changes = changes_at(recording.events, place.where, place.joint);
+  for (const Touch& touch : touches(changes, [](auto&&...) { return false; }))
     all.add({touch.begin(), touch.end(recording.times.back())});
   return all.intervals();
 }
@@ -149,17 +150,19 @@ std::vector<Interval> contact_intervals(const Recording& recording, Where where)
 Picture contacts_picture(const Scene& scene, const Comparison& check) {
   const auto runs = finished(check);
   std::vector<Panel> panels;
-  for (const auto& [where, joint] : contact_places(scene)) {
-    if (joint > 0) continue;
-    const std::string axis = fmt::format("{}{}", name(where), where == Where::span ? "" : " end");
+  for (const ContactPlace& place : contact_places(scene)) {
+    const std::string of(name(place.where)), number = place.joint > 0 ? std::to_string(place.joint) : "";
+    const bool at_end = place.where == Where::left || place.where == Where::right;
+    const std::string axis = at_end ? of + " end" : number.empty() ? of : of + " " + number;
     const double rows = static_cast<double>(runs.size());
     Axis down{.label = axis, .low = rows - 0.5, .high = -0.5, .bare = true};
     for (const MethodRun* run : runs) down.rows.push_back(label(*run));
     Figure figure(time_axis(check), std::move(down), plot::height_of_bars(runs.size()));
     for (std::size_t i = 0; i < runs.size(); ++i)
-      figure.bars(contact_intervals(*runs[i]->recording, where), static_cast<double>(i), colour(*runs[i]),
+      figure.bars(contact_intervals(*runs[i]->recording, place), static_cast<double>(i), colour(*runs[i]),
                   label(*runs[i]));
-    panels.push_back({fmt::format("contact-{}", name(where)), "Times in contact by each method: " + axis, figure});
+    panels.push_back(
+        {"contact-" + of + (number.empty() ? "" : "-" + number), "Times in contact by each method: " + axis, figure});
   }
   return {"Contact",
           std::string("Times in contact. A bar broken into short pieces is a node that chatters.") +
