@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "discretisation/not_positive.hpp"
 
@@ -59,7 +60,7 @@ void LaneFactor::take_alike(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   order_.size = n;
   constexpr std::size_t fewest = (fewest_rows + 1) * lane_count;
-  if (n < fewest + 2 || matrix.off_diagonal.empty()) return;
+  if (n < fewest + 2 || matrix.off_diagonal.empty() || !matrix.skew.empty()) return;
   const auto& diagonal = matrix.diagonal;
   const auto& off = matrix.off_diagonal;
   const std::size_t middle = n / 2;
@@ -82,7 +83,7 @@ void LaneFactor::take_alike(const BandedMatrix& matrix) {
 void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept) {
   const std::size_t n = matrix.size();
   order_.size = n;
-  if (n < fewest_rows * lane_count || matrix.off_diagonal.empty() || !matrix.skew.empty()) return;
+  if (n < fewest_rows * lane_count || matrix.off_diagonal.empty()) return;
   std::vector<bool> stays(n, false);
   stays[0] = stays[n - 2] = stays[n - 1] = true;
   for (const std::size_t node : kept) stays[node] = true;
@@ -111,33 +112,34 @@ void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::siz
   order_.runs = std::move(runs);
 }
 
-// each(k, l_k, l_{k+1}, scale w_k, g_k, q_k) receives the rows.
+// each(k, l_k, u_{k+1}, scale w_k, g_k, q_k) receives the rows.
 LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& each) const {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
   const double negligible = std::pow(std::numeric_limits<double>::epsilon(), 2);
   const std::size_t behind = run.node_behind();
-  Reach reach{.coupling = matrix.off_diagonal[run.node - 1], .symmetric = true};
-  std::array<double, 2> c = {1.0, 0.0}, d = {matrix.off_diagonal[behind - 1], 0.0};
+  Reach reach{.coupling = matrix.above(run.node - 1), .symmetric = true};
+  std::array<double, 2> c = {1.0, 0.0}, d = {matrix.below(behind - 1), 0.0};
+  if (!matrix.skew.empty()) c[0] = std::exchange(reach.coupling, 1.0), reach.symmetric = false;
   for (const OneSidedRow& one : matrix.one_sided) {
     if (one.leftwards ? one.row != behind : one.row + 1 != run.node) continue;
     reach.symmetric = false;
     if (one.leftwards)
       d = {d[0] + one.entries[1], one.entries[2]};
     else
-      c = {reach.coupling + one.entries[1], one.entries[2]}, reach.coupling = 1.0;
+      c = {c[0] * reach.coupling + one.entries[1], one.entries[2]}, reach.coupling = 1.0;
   }
   const double largest = std::abs(c[0]) + std::abs(c[1]);
   double influence = 1.0, pull = c[0];
   struct {
-    double lower, w, g;
+    double lower, upper, w, g;  // l and u of the next row
   } last{}, before{};
   for (std::size_t k = 0; k < run.count; ++k) {
     const std::size_t i = run.node + k;
     double pivot = matrix.diagonal[i];
     if (k > 0) {
-      pivot -= last.lower * matrix.off_diagonal[i - 1];
+      pivot -= last.lower * matrix.above(i - 1);
       influence *= -last.lower;
-      pull *= -last.lower;
+      pull *= -last.upper;
       if (k == 1) pull += c[1];
     }
     if (!(pivot > 0.0)) throw NotPositive(matrix.finite());
@@ -146,13 +148,13 @@ LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Ru
     else
       influence = pull = 0.0;
     before = last;
-    last = {matrix.off_diagonal[i] / pivot, 1.0 / pivot, influence / pivot};
+    last = {matrix.below(i) / pivot, matrix.above(i) / pivot, 1.0 / pivot, influence / pivot};
     reach.through = pull / pivot;
     reach.corner += influence * reach.through;
-    reach.last = (d[0] - d[1] * before.lower) / pivot;
-    each(k, before.lower, last.lower, scale_ / pivot, last.g, reach.through);
+    reach.last = (d[0] - d[1] * before.upper) / pivot;
+    each(k, before.lower, last.upper, scale_ / pivot, last.g, reach.through);
   }
-  reach.back = (d[0] - d[1] * before.lower) * last.g + d[1] * before.g;
+  reach.back = (d[0] - d[1] * before.upper) * last.g + d[1] * before.g;
   reach.to_right = {scale_ * reach.last, scale_ * d[1] * before.w};
   if (run.count == 1) reach.beyond = {c[1], d[1]};
   return reach;
@@ -200,18 +202,20 @@ void LaneFactor::condense(const BandedMatrix& matrix, const std::vector<Reach>& 
   const auto take_up_to = [&](std::size_t end) {
     for (; node < end; ++node) {
       diagonal.push_back(matrix.diagonal[node]);
-      if (diagonal.size() < n) off.push_back(matrix.off_diagonal[node]);
+      if (diagonal.size() == n) continue;
+      off.push_back(matrix.off_diagonal[node]);
+      if (!matrix.skew.empty()) skew[off.size() - 1] = matrix.skew[node];
     }
   };
   double pulled = 0.0;  // from the diagonal of the node behind the last run
-  bool symmetric = true;
+  bool symmetric = matrix.skew.empty();
   for (std::size_t r = 0; r < order_.runs.size(); ++r) {
     const Run& run = order_.runs[r];
     const Reach& of = reach[r];
     const std::size_t behind = diagonal.size();
     take_up_to(run.node);
     diagonal[behind] -= pulled;
-    const double left = matrix.off_diagonal[run.node - 1], right = matrix.off_diagonal[run.node_behind() - 1];
+    const double left = matrix.below(run.node - 1), right = matrix.above(run.node_behind() - 1);
     diagonal.back() -= left * of.coupling * of.corner;
     off.back() = -of.coupling * right * of.through;
     if (!of.symmetric) {
@@ -259,8 +263,7 @@ void LaneFactor::cut(const BandedMatrix& matrix, const std::vector<Reach>& reach
   }
   for (std::size_t r = 0, left = order_.first - 1; r < runs.size(); ++r) {
     const Run& run = runs[r];
-    const Ends ends_of{run.lane,         left, left + 1, matrix.off_diagonal[run.node - 1], reach[r].coupling,
-                       reach[r].to_right};
+    const Ends ends_of{run.lane, left, left + 1, matrix.below(run.node - 1), reach[r].coupling, reach[r].to_right};
     if (r + 1 < runs.size()) left += runs[r + 1].node - run.node_behind();
     if (run.end() == order_.rows)
       last_[run.lane] = ends_of;

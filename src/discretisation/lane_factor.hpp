@@ -108,18 +108,17 @@ class LaneFields {
   std::vector<double> block_;
 };
 
-/// A x = b for a positive definite tridiagonal matrix that is symmetric but for one-sided rows, by substructuring. A
-/// run of LaneOrder is coupled to the nodes of the interface beside it by e_left and e_right. Its m rows T are
-/// eliminated:
+/// A x = b for a positive definite tridiagonal matrix with one-sided rows, by substructuring. A run of LaneOrder is
+/// coupled to the nodes of the interface beside it by e_left and e_right. Its m rows T are eliminated:
 ///
-///     T = L D L^T,    y = L^{-1} b,    w = 1 / D,    l_{k+1} = T_{k,k+1} w_k,    g = D^{-1} L^{-1} e_0,
-///     (condensed matrix) x_interface = b_interface - (e_left g.y to the left, l_m y_{m-1} to the right of each run),
-///     x_k = w_k y_k - g_k (e_left x_left) - l_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
+///     T = L D U,    y = L^{-1} b,    w = 1 / D,    l_{k+1} = T_{k+1,k} w_k,    u_{k+1} = T_{k,k+1} w_k,
+///     g = D^{-1} L^{-1} e_0,    q = D^{-1} U^{-T} (c_1 e_0 + c_2 e_1),
+///     (condensed matrix) x_interface = b_interface - (q.y to the left of each run, and to its right
+///                                                     (d_1 - d_2 u_{m-1}) w_{m-1} y_{m-1} + d_2 w_{m-2} y_{m-2}),
+///     x_k = w_k y_k - g_k (e_left x_left) - u_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
 ///
-/// The row of a joint takes x_0 and x_1 of the run behind it by c_1 and c_2, and those of the one before it from its
-/// end on by d_1 and d_2. So the run pulls it, with h = D^{-1} L^{-1} e_1, by
-///
-///     (c_1 g + c_2 h).y,    (d_1 - d_2 l_{m-1}) w_{m-1} y_{m-1} + d_2 w_{m-2} y_{m-2}.
+/// The row of the node before it takes x_0 and x_1 of the run by c_1 and c_2, that of the node behind it those from its
+/// end on by d_1 and d_2; c_2 and d_2 are entries of one-sided rows, as at joints.
 ///
 /// So each sweep is one recurrence for 16 lanes. Where rows are alike but for some at either end, as those of a uniform
 /// bar are, its coefficients are three numbers a row, else five a node. What is bound by an obstacle stays in the
@@ -166,9 +165,9 @@ class LaneFactor {
  private:
   template <class Coefficient>
   struct Rows {
-    // l_0, ..., l_{m-1}, l_0 being 0, or 1 where a run follows another; l_1, ..., l_m; scale w; g.
+    // l_0, ..., l_{m-1}, l_0 being 0, or 1 where a run follows another; u_1, ..., u_m; scale w; g.
     std::vector<Coefficient> lower, upper, scaled_inverse_pivot, from_left;
-    std::vector<Coefficient> to_left;  // q: g, or c_1 g + c_2 h; empty: g
+    std::vector<Coefficient> to_left;  // q, or, where A is symmetric, g; empty: g
   };
   // A run and its neighbours in the interface. The run feels the left one by coupling g. That one's row takes q.y of
   // it, times by_left, and the right one's row the last y and the one before, times to_right.

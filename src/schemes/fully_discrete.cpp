@@ -296,8 +296,13 @@ class Run {
     bool changes = false;
     for (std::size_t k = 0; k < contacts.size(); ++k) changes |= opens(k) || closes(k);
     if (!changes) return;  // one rests without a force
-    double size = 0.0;
-    for (const double u : step_->u()) size = std::max(size, std::abs(u));
+    const auto largest_of = [](std::span<const double> values) {
+      double size = 0.0;
+      for (const double value : values) size = std::max(size, std::abs(value));
+      return size;
+    };
+    const double size = largest_of(step_->u());
+    largest_ = std::max(largest_, largest_of(step_->load()));  // of a bar that is yet at rest all there is
     for (std::size_t k = 0; k < contacts.size(); ++k)
       largest_ = std::max({largest_, step_->reaction()[k], step_->reaction_before()[k], mass(k) * size / (dt * dt)});
     for (std::size_t k = 0; k < contacts.size(); ++k)

@@ -27,6 +27,9 @@ class LaneBar {
   /// int w_x^2 of the velocity w = p + lever a
   double squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const;
 
+  /// p.S a of the skew part S of the inertia, which has one
+  double skew_power(std::span<const double> p, std::span<const double> a) const;
+
  private:
   // Elements in no row: where their two nodes are stored, and their numbers. A processor gathers several at once.
   struct Edges {
@@ -45,6 +48,9 @@ class LaneBar {
   void take_edges();
   template <class Rows>
   struct BrokenRows;
+  template <class Value, class Join, class Finish>
+  double sum_over_elements(const Weights* of, const double* in_order, Value&& value, Join&& join,
+                           Finish&& finish) const;
   template <class Stress>
   void interface_forces(const Stress& stress, std::array<double, 2> walls, std::span<const double> load,
                         std::span<double> interface) const;
@@ -57,6 +63,7 @@ class LaneBar {
   double scale_, relaxation_;  // of stresses: E / h, or E; eta / E
   // Where elements are not alike: int dx / A of elasticity, and of viscosity where it is another.
   Weights elastic_, viscous_;
+  Weights skew_;                          // (M_{i,i+1} - M_{i+1,i}) / 2
   Edges edges_;                           // rising; of a node of the interface the one before and the one behind
   std::vector<std::size_t> fronts_;       // of each node of the interface the edge before it; the walls are edges, too
   std::vector<Break> breaks_;             // by row

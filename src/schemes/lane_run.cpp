@@ -76,9 +76,9 @@ void LaneScheme::settle_massless(bool right) {
   p_[end] = (u_[next] + dt_ * p_[next] + stretch - u_[end]) / dt_;
 }
 
-[[gnu::flatten]] Lanes LaneScheme::largest_displacements() const {
+[[gnu::flatten]] Lanes LaneScheme::largest_of(const std::vector<Lanes>& field) {
   Lanes largest = 0.0;
-  for (const Lanes& u : u_) largest = larger(largest, abs(u));
+  for (const Lanes& value : field) largest = larger(largest, abs(value));
   return largest;
 }
 
@@ -172,7 +172,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
     }
   const auto find_changes = [&](double t, double next) {
     if (!changes_ || outputs.most_changes == 0) return;
-    const Lanes sizes = largest_displacements();
+    const Lanes sizes = largest_of(u_), loads = loaded_ ? largest_of(load_) : Lanes(0.0);
     const auto end_mass = [&](bool right, std::size_t lane) {
       const double h = 1.0 / pattern_.stretch[right ? last : 1];
       return inertia_[lane] * h / 2.0;  // rho L times the element's share of L
@@ -183,7 +183,7 @@ bool LaneScheme::run(std::span<const Member> bars, const Stepping& how, const La
       for (const bool right : {false, true})
         if (pattern_.contact[right])
           largest[lane] =
-              std::max({largest[lane], static_cast<double>(reaction_[right][lane]),
+              std::max({largest[lane], static_cast<double>(loads[lane]), static_cast<double>(reaction_[right][lane]),
                         static_cast<double>(reaction_before_[right][lane]), end_mass(right, lane) * size / (dt * dt)});
       for (const bool right : {false, true})
         if (was_active_[right][lane] != 0.0 && active_[right][lane] == 0.0) {

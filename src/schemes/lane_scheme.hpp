@@ -125,7 +125,7 @@ class LaneScheme {
   void start_from(bool second_order);
   void project_start();
   void settle_massless(bool right);
-  Lanes largest_displacements() const;
+  static Lanes largest_of(const std::vector<Lanes>& field);
   void account(bool first, double whole, LaneAccounts& accounts);
 
   const Pattern& pattern_;

@@ -49,11 +49,15 @@ StepEnergy::StepEnergy(const BarSystem& system, TimeStep& step, std::span<const 
   for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = step.order().place(i);
 }
 
+// The skew part takes what v^n = p - dt/2 a and p alike give it.
 double StepEnergy::end_power() const {
+  const auto v = velocity();
+  const auto a = step_.acceleration();
+  const BandedMatrix& inertia = system_.inertia().matrix();
   const std::size_t* const places = places_.data();
-  return system_.inertia().matrix().unsymmetric_product(
-      [v = velocity(), places](std::size_t i) { return v(places[i]); },
-      [a = step_.acceleration().data(), places](std::size_t i) { return a[places[i]]; });
+  const double of_rows = inertia.one_sided_product([=](std::size_t i) { return v(places[i]); },
+                                                   [=](std::size_t i) { return a[places[i]]; });
+  return inertia.skew.empty() ? of_rows : of_rows + bar_.skew_power(step_.p(), a);
 }
 
 namespace {

@@ -108,8 +108,8 @@ TEST(LaneFactor, RefusesWhatIsNotPositiveDefinite) {
 }
 
 // Chains of bars of every length, down to three nodes, that are bonded, uncoupled, or share a node, whose rows at the
-// joints have entries for nodes two away. Each equation holds to rounding, and nodes that are kept are in the
-// interface.
+// joints have entries for nodes two away, and whose other rows have a skew part. Each equation holds to rounding, and
+// nodes that are kept are in the interface.
 TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -144,10 +144,13 @@ TEST(LaneFactor, TakesBarsOfUnlikeRowsWithABackwardErrorOfRounding) {
         }
       }
       const std::size_t n = matrix.size();
+      const bool skew = trial % 5 > 2;
+      for (std::size_t i = 0; skew && i + 1 < n; ++i)
+        matrix.skew.push_back(0.3 * (2.0 * unit(random) - 1.0) * matrix.off_diagonal[i]);
       const LaneFactor factor(matrix, 2.0, kept);
       const LaneOrder& order = factor.order();
       ASSERT_EQ(factor.condensed().size(), order.interface_size());
-      EXPECT_TRUE(one_sided || factor.condensed().skew.empty());
+      EXPECT_TRUE(one_sided || skew || factor.condensed().skew.empty());
       std::vector<double> b = random_vector(n, random), residual(n);
       if (order.rows > 0) {
         ++taken;

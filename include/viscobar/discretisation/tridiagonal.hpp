@@ -86,9 +86,9 @@ struct BandedMatrix {
 
   /// True if A is not symmetric.
   bool unsymmetric() const { return !one_sided.empty() || !skew.empty(); }
-  /// x . (A - T) y of x(i), y(i): of one-sided rows, those of the ends where x has its first and last entry, y three at
-  /// either end, and of the skew part, which has all.
-  auto unsymmetric_product(auto&& x, auto&& y) const {
+  /// x . R y of the one-sided rows R, x(i) and y(i) being asked for in their rows and columns alone: those of the ends
+  /// for the first and last entry of x, and three of y at either end.
+  auto one_sided_product(auto&& x, auto&& y) const {
     decltype(x(size()) * y(size())) sum = 0.0 * y(0);
     auto parts = std::array{sum, sum, sum};
     for (const OneSidedRow& one : one_sided) {
@@ -96,6 +96,11 @@ struct BandedMatrix {
       for (std::size_t k = 0; k < 3; ++k) parts[k] += at * (one.entries[k] * y(one.column(k)));
     }
     for (const auto& part : parts) sum += part;
+    return sum;
+  }
+  /// x . (A - T) y: that of one-sided rows, and of the skew part, which asks for all.
+  auto unsymmetric_product(auto&& x, auto&& y) const {
+    auto sum = one_sided_product(x, y);
     for (std::size_t i = 0; i < skew.size(); ++i) sum += skew[i] * (x(i) * y(i + 1) - x(i + 1) * y(i));
     return sum;
   }
