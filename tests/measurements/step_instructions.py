@@ -3,7 +3,7 @@ of one in docs/bars-in-line.md.
 
 python3 tests/measurements/step_instructions.py [--bars] PROGRAM [PROGRAM BEFORE]
 
-With --bars the rows of bars in line alone, which write at their end. Each number is of two runs, of times T and 2 T: the
+With --bars the rows of sections and bars in line alone, which write at their end. Each number is of two runs, of times T and 2 T: the
 difference of instructions over that of steps, so that what a process costs at its start and end is no part of it. It
 needs valgrind, which knows AVX2 but not AVX-512: build the programs by
 cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
@@ -49,9 +49,10 @@ SCENES = {  # nothing touches; ten contact changes, and a load
     "driven": dict(gap=0.1, load="-0.2+sin(3*t)", mass="redistributed", end=10.0),
 }
 METHODS = ("cvode", "ida", "arkode", "fully_discrete")
-# The same length in one bar and in ten, bonded or in contacts that are pushed shut.
+# The same length in one bar, of a section as well, and in ten, bonded or in contacts that are pushed shut.
 BARS = {
     "one bar": "[bar]\nlength = 1.0\nviscosity = 0.01\n",
+    "of a section": '[bar]\nlength = 1.0\nviscosity = 0.01\nsection = "1+0.1*x"\n',
     "ten, bonded": "[[bar]]\nlength = 0.1\nviscosity = 0.01\n" * 10,
     "ten, in contact": '[[joint]]\nkind = "contact"\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\n"] * 10),
 }
