@@ -34,6 +34,8 @@ class Gauge {
   Reading operator()(std::span<const double> u, std::span<const double> v) const;
 
   double x() const { return x_; }
+  /// On a bar of the same mesh and another material.
+  void take(const Bar& bar) { modulus_ = bar.modulus, viscosity_ = bar.viscosity; }
 
  private:
   Interpolant at_;

@@ -83,12 +83,18 @@ bool LaneScheme::factorise(double damping, double elasticity, double lever) {
 //     row i      (o_{i-1}, d_i, o_i)                  x_i = w_i y_i - c_i x_{i-1},     y_i = b_i - m_i y_{i+1}
 //     row n-1    (l_2, o_{n-2} + l_1, d_{n-1} + l_0)
 //
-// f and l being the end rows of the mass: with them y_0 takes y_2 as well, and x_{n-1} x_{n-3}.
+// f and l being the end rows of the mass: with them y_0 takes y_2 as well, and x_{n-1} x_{n-3}. Its skew part adds to
+// o_i in row i, and takes from it in row i + 1.
 bool LaneScheme::eliminate(bool right, double lever) {
   const std::size_t n = size_;
   Elimination& to = eliminations_[right];
   const auto node = [&](std::size_t i) { return right ? n - 1 - i : i; };
-  const auto off = [&](std::size_t i) { return off_[right ? n - 2 - i : i]; };
+  const std::vector<double>& skew = pattern_.inertia.skew;
+  const auto off = [&](std::size_t i, bool below) -> Lanes {
+    const std::size_t at = right ? n - 2 - i : i;
+    if (skew.empty()) return off_[at];
+    return off_[at] + (below != right ? -skew[at] : skew[at]) * inertia_;
+  };
   std::array<Lanes, 3> first{}, last{};
   for (const OneSidedRow& one : pattern_.inertia.one_sided)
     for (std::size_t k = 0; k < 3; ++k) ((one.row == 0) != right ? first : last)[k] = one.entries[k] * inertia_;
@@ -101,16 +107,17 @@ bool LaneScheme::eliminate(bool right, double lever) {
     inverse_pivot(i) = 1.0 / value;
   };
   pivot(n - 1, diagonal_[node(n - 1)] + last[0]);
-  coupling(n - 1) = (off(n - 2) + last[1]) * inverse_pivot(n - 1);
+  coupling(n - 1) = (off(n - 2, true) + last[1]) * inverse_pivot(n - 1);
   to.far_skip = last[2] * inverse_pivot(n - 1);
   multiplier(n - 1) = 0.0;
   for (std::size_t i = n - 2; i > 0; --i) {
-    multiplier(i) = off(i) * inverse_pivot(i + 1);
-    pivot(i, diagonal_[node(i)] - off(i) * coupling(i + 1));
-    const Lanes before = i == n - 2 ? off(i - 1) - off(i) * to.far_skip : off(i - 1);
+    const Lanes next = off(i, false);
+    multiplier(i) = next * inverse_pivot(i + 1);
+    pivot(i, diagonal_[node(i)] - next * coupling(i + 1));
+    const Lanes before = i == n - 2 ? off(i - 1, true) - next * to.far_skip : off(i - 1, true);
     coupling(i) = before * inverse_pivot(i);
   }
-  const Lanes beside = off(0) + first[1] - first[2] * coupling(2);
+  const Lanes beside = off(0, false) + first[1] - first[2] * coupling(2);
   multiplier(0) = beside * inverse_pivot(1);
   to.near_skip = first[2] * inverse_pivot(2);
   pivot(0, diagonal_[node(0)] + first[0] - beside * coupling(1));

@@ -87,7 +87,7 @@ inline double error_of(const EnsembleResult& found, const EnsembleResult& truth,
   return error / size;
 }
 
-/// Bars with obstacles, walls, springs and loads, thrown at the left one.
+/// Bars of any section and mesh with obstacles, walls, springs and loads, thrown at the left one.
 inline TextEnsemble random_ensemble(std::mt19937_64& random, std::size_t bars) {
   const auto real = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
   const auto pick = [&](int low, int high) { return std::uniform_int_distribution<int>(low, high)(random); };
@@ -95,7 +95,9 @@ inline TextEnsemble random_ensemble(std::mt19937_64& random, std::size_t bars) {
   const char* masses[] = {"fourth_order", "fourth_order", "consistent", "redistributed"};
   const char* mass = masses[pick(0, 3)];
   const bool mounts = mass != masses[3];
-  made.scene = fmt::format("[bar]\nlength=1\nviscosity=0.1\n[mesh]\nelements={}\nmass=\"{}\"\n", pick(8, 40), mass);
+  const char* sections[] = {"", "", "section=\"1+0.5*x\"\n", "section=\"exp(-x)+max(0,x-0.4)\"\n"};
+  made.scene = fmt::format("[bar]\nlength=1\nviscosity=0.1\n{}[mesh]\nelements={}\nmass=\"{}\"\n{}",
+                           sections[pick(0, 3)], pick(8, 40), mass, pick(0, 3) == 0 ? "grading=4\n" : "");
   const int ends = pick(0, 4);
   made.scene += fmt::format("[left]\nkind=\"obstacle\"\ngap=0.1\n{}", mounts && pick(0, 3) == 0 ? "mass=0.3\n" : "");
   made.scene += ends == 0   ? "[right]\nkind=\"free\"\n"

@@ -7,9 +7,8 @@
 namespace viscobar::bars {
 
 Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
-    : outputs(std::move(told)), mesh(run.mesh()) {
+    : outputs(std::move(told)), gauges(outputs.size()), mesh(run.mesh()) {
   using Kind = EnsembleOutput::Kind;
-  mesh.length = 1.0;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const EnsembleOutput& output = outputs[i];
     first.push_back(width);
@@ -21,8 +20,10 @@ Layout::Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged)
     peaks |= output.kind == Kind::peak;
     impulses |= output.kind == Kind::impulse;
     most_changes = std::max(most_changes, output.most);
-    if (output.kind == Kind::gauge)
+    if (output.kind == Kind::gauge) {
+      gauges[i].emplace(mesh, run.scene, output.place);
       for (std::size_t k = 0; k < output.times.size(); ++k) inside.push_back(first[i] + 4 * k);
+    }
     if (output.kind == Kind::final)
       for (std::size_t k = 0; k < output.width() / 2; ++k) inside.push_back(first[i] + k);
     for (std::size_t k = 0; k < output.times.size(); ++k) looks.push_back({output.times[k], i, k});

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,18 +24,19 @@ struct Layout {
   Layout(std::vector<EnsembleOutput> told, const Case& run, bool judged);
 
   std::vector<EnsembleOutput> outputs;
-  std::vector<std::size_t> first;  // where the values of each output begin
-  std::size_t width = 0;           // of all
-  std::vector<Look> looks;         // in the order of time
-  std::vector<double> times;       // of them, each once
-  bool fields = false;             // all nodes are looked at, not the ends alone
+  std::vector<std::optional<Gauge>> gauges;  // of outputs, on the bar of the case
+  std::vector<std::size_t> first;            // where the values of each output begin
+  std::size_t width = 0;                     // of all
+  std::vector<Look> looks;                   // in the order of time
+  std::vector<double> times;                 // of them, each once
+  bool fields = false;                       // all nodes are looked at, not the ends alone
   bool reactions = false, peaks = false, impulses = false;
   std::vector<std::size_t> inside;  // where the values have a displacement of a gauge, or of a node at the end
   std::size_t most_changes = 0;
   // Between probes, in which so many intervals of the finest output lie.
   double period;
   std::size_t intervals = 1;
-  Mesh mesh;  // of length 1
+  Mesh mesh;  // of the case
 };
 
 /// The values of one bar and what tells their error from those of another run of it.

@@ -179,8 +179,10 @@ void LaneLevels::look(std::span<const Waiting> pack, const LaneSample& at) {
       for (const bool right : {false, true})
         if (pattern.fixed(right)) (right ? u_.back() : u_.front()) = lane(u[right], l);
       const Bar& bar = pack[l].own.member.bar;
-      std::optional<Gauge> gauge;
-      if (output.kind == EnsembleOutput::Kind::gauge) {
+      std::optional<Gauge> gauge = layout_.gauges[i];
+      if (gauge && bar.length == layout_.mesh.length) {
+        gauge->take(bar);
+      } else if (gauge) {  // bars of any section have one length
         Mesh mesh = layout_.mesh;
         mesh.length = bar.length;
         gauge.emplace(mesh, bar, output.place);

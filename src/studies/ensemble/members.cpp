@@ -72,12 +72,21 @@ std::optional<std::vector<LoadPart>> load_parts(const Case& run, Mass mass, std:
 
 std::optional<Pattern> Members::pattern_of(const Case& run) const {
   const Scene& scene = run.scene;
-  if (scene.span || scene.side || scene.section || run.impact != Impact::paoli_schatzman) return std::nullopt;
+  if (scene.span || scene.side || run.impact != Impact::paoli_schatzman) return std::nullopt;
   Scene unit = scene;
   unit.bar = {1.0, 1.0, 1.0, 1.0};
   unit.displacement = unit.velocity = [](double) { return 0.0; };
   unit.displacement_places = unit.velocity_places = {};
   unit.load.reset();
+  if (scene.section) {
+    unit.section = [of = scene.section, length = scene.bar.length](double x) { return of(length * x); };
+    if (scene.section_places.breaks)
+      unit.section_places.breaks = [of = scene.section_places.breaks, length = scene.bar.length](
+                                       double after, double until) -> std::optional<double> {
+        const auto found = of(length * after, length * until);
+        return found ? std::optional(*found / length) : std::nullopt;
+      };
+  }
   Pattern pattern;
   for (const bool right : {false, true}) {
     EndInput& input = right ? unit.right_input : unit.left_input;
@@ -95,10 +104,11 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
   const BarSystem system(unit, mesh, mass_);
   pattern.inertia = system.inertia().matrix();
   const std::size_t n = system.size(), first = system.unknowns().first_node();
-  if (n < 4 || !pattern.inertia.skew.empty()) return std::nullopt;
+  if (n < 4) return std::nullopt;
   pattern.stretch.assign(n + 1, 0.0);
   for (std::size_t i = 0; i <= n; ++i)
-    if (i + first > 0 && i + first <= mesh.elements) pattern.stretch[i] = 1.0 / mesh.element(i + first - 1);
+    if (i + first > 0 && i + first <= mesh.elements)
+      pattern.stretch[i] = 1.0 / system.elements().stretch(i + first - 1);
   for (const bool right : {false, true}) pattern.massless[right] = system.inertia().massless(right ? n - 1 : 0);
   return pattern;
 }
@@ -127,9 +137,9 @@ Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
     shape |= key == "bar.length";
     by_numbers_ &= number_of(numbers, key) || key == "initial.velocity" || key == "initial.displacement";
   }
-  // Data, loads and held ends depend on places.
+  // Sections, data, loads and held ends depend on places.
   const bool held = is_fixed(first.scene.left) || is_fixed(first.scene.right);
-  if (shape) by_numbers_ &= resting_shape_ && !first_.member.load && !held;
+  if (shape) by_numbers_ &= resting_shape_ && !first_.member.load && !held && !first.scene.section;
   Case unit = first;
   unit.scene.displacement_places = unit.scene.velocity_places = {};
   unit.scene.displacement = unit.scene.velocity = [](double) { return 1.0; };
@@ -172,12 +182,12 @@ std::optional<OwnMember> Members::by_numbers(Case& numbers, std::span<const doub
   for (const std::vector<double>* data : {&m.start->u, &m.start->v})
     for (const double value : *data)
       if (!std::isfinite(value)) return std::nullopt;
-  // Where the data do not fit the ends, their high modes are put right, which is the model's.
+  // Where the data do not fit the ends, their high modes are put right, which is the model's, on rows that are alike.
   const bool quiet = resting_shape_ && !m.load && !pattern_->mounted[0] && !pattern_->mounted[1] &&
                      !pattern_->fixed(false) && !pattern_->fixed(true);
   const double h = m.bar.length / static_cast<double>(elements_);
   const bool creeps = 2.0 * m.bar.viscosity * m.bar.viscosity >= h * h * m.bar.density * m.bar.modulus;
-  if (!quiet && !creeps && mass_ == Mass::fourth_order) return std::nullopt;
+  if (!quiet && !creeps && mass_ == Mass::fourth_order && pattern_->inertia.skew.empty()) return std::nullopt;
   return one;
 }
 
@@ -185,7 +195,7 @@ std::optional<OwnMember> Members::of(const Case& run) const {
   const auto pattern = pattern_of(run);
   if (!pattern || run.end != end_ || pattern->size() != pattern_->size() || pattern->contact != pattern_->contact ||
       pattern->sign != pattern_->sign || pattern->stretch != pattern_->stretch ||
-      pattern->massless != pattern_->massless)
+      pattern->inertia.diagonal != pattern_->inertia.diagonal || pattern->massless != pattern_->massless)
     return std::nullopt;
   const Scene& scene = run.scene;
   const BarSystem system(scene, run.mesh(), mass_);
