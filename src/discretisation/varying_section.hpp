@@ -17,7 +17,8 @@ namespace viscobar {
 /// so that A phi_i' is constant on an element, and int A E u_x phi_i' exact for every u. In s the bar is one of section
 /// 1 and of density rho A^2. On element e xi(x) = (s(x) - s(x_e)) / s_e runs from 0 to 1, s_e = s(x_{e+1}) - s(x_e).
 ///
-/// Integrals are by Gauss' formula of ten points between the nodes and the breaks of A.
+/// Integrals over elements are by Gauss' formula of sixteen points between the nodes and the breaks of A, others of
+/// ten.
 class VaryingSection {
  public:
   /// The first place in (after, until) at which A jumps or has a kink.
@@ -37,8 +38,8 @@ class VaryingSection {
 
  private:
   struct Element {
-    double size;
-    std::array<double, 4> moments;
+    double size = 0.0;
+    std::array<double, 4> moments{};
   };
 
   template <class Add>
