@@ -281,7 +281,8 @@ class Run {
   }
 
   [[gnu::noinline]] void tell_changes(std::size_t n) {
-    const auto &contacts = step_->contacts(), &stored = step_->stored_contacts();
+    const auto& contacts = step_->contacts();
+    const auto& stored = step_->stored_contacts();
     const double dt = scheme_.step;
     const auto mass = [&](std::size_t k) {
       return system_.bar().density * system_.elements().stretch_beside(contacts[k].unknown) / 2.0;

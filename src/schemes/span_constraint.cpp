@@ -17,6 +17,7 @@ SpanConstraint::SpanConstraint(const BandedMatrix& matrix)
 }
 
 void SpanConstraint::split() {
+  held_ = std::ranges::any_of(active_, [](unsigned char held) { return held != nowhere; });
   for (std::size_t i = 0; i < split_.off_diagonal.size(); ++i) {
     const bool apart = active_[i] | active_[i + 1];
     split_.off_diagonal[i] = apart ? 0.0 : matrix_.off_diagonal[i];
@@ -28,7 +29,15 @@ void SpanConstraint::split() {
   ++factorisations_;
 }
 
-void SpanConstraint::solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
+// True if no bound is passed.
+bool SpanConstraint::meets(std::span<double> x) const {
+  const double *const values = x.data(), *const lower = lower_.data(), *const upper = upper_.data();
+  int passed = 0;
+  for (std::size_t i = 0, n = x.size(); i < n; ++i) passed |= !(values[i] >= lower[i]) | !(values[i] <= upper[i]);
+  return passed == 0;
+}
+
+bool SpanConstraint::solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
                            std::span<double> x, std::span<double> multiplier) {
   lower_ = lower, upper_ = upper;
   constexpr int patience = 8;
@@ -37,11 +46,19 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> lo
   int left = patience;
   double tolerance = 16.0 * std::numeric_limits<double>::epsilon();
   bool released = false;
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < n && held_; ++i)
     if (active_[i] && std::isinf(bound(i))) active_[i] = nowhere, released = true;
   if (released) split();
   for (;;) {
-    pivot(b, x, multiplier);
+    if (!held_) {
+      std::ranges::copy(b, x.begin());
+      factor_.solve(x);
+      ++solves_;
+      std::ranges::fill(multiplier, 0.0);
+      if (meets(x)) return false;
+    } else {
+      pivot(b, x, multiplier);
+    }
     const std::size_t wrong = mark_wrong(b, x, multiplier, tolerance);
     if (wrong == 0) break;
     if (wrong < fewest) {
@@ -64,6 +81,7 @@ void SpanConstraint::solve(std::span<const double> b, std::span<const double> lo
     x[i] = std::clamp(x[i], lower[i], upper[i]);
     multiplier[i] = active_[i] == at_upper ? std::min(multiplier[i], 0.0) : std::max(multiplier[i], 0.0);
   }
+  return held_;
 }
 
 void SpanConstraint::pivot(std::span<const double> b, std::span<double> x, std::span<double> multiplier) {
@@ -100,6 +118,8 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
   const std::size_t n = matrix_.size();
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
+    wanted_[i] = active_[i];
+    if (active_[i] == nowhere && lower_[i] <= x[i] && x[i] <= upper_[i]) continue;
     // Rounding of the row's terms.
     double scale = matrix_.diagonal[i] * std::abs(x[i]) + std::abs(b[i]);
     if (i > 0) scale += std::abs(matrix_.off_diagonal[i - 1] * x[i - 1]);
@@ -107,7 +127,6 @@ std::size_t SpanConstraint::mark_wrong(std::span<const double> b, std::span<cons
     for (const OneSidedRow& one : matrix_.one_sided)
       for (std::size_t k = 0; k < 3 && one.row == i; ++k) scale += std::abs(one.entries[k] * x[one.column(k)]);
     const double hidden = tolerance * scale;
-    wanted_[i] = active_[i];
     if (active_[i] == nowhere) {
       if (matrix_.diagonal[i] * (lower_[i] - x[i]) > hidden) wanted_[i] = at_lower;
       if (matrix_.diagonal[i] * (x[i] - upper_[i]) > hidden) wanted_[i] = at_upper;

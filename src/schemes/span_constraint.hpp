@@ -23,8 +23,8 @@ class SpanConstraint {
   explicit SpanConstraint(const BandedMatrix& matrix);
 
   /// All arguments have one value an entry; x is its bound bitwise in active entries and within them bitwise in all. An
-  /// entry without a bound has an infinite one.
-  void solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
+  /// entry without a bound has an infinite one. Returns false if none is active.
+  bool solve(std::span<const double> b, std::span<const double> lower, std::span<const double> upper,
              std::span<double> x, std::span<double> multiplier);
 
   enum Held : unsigned char { nowhere, at_lower, at_upper };
@@ -45,6 +45,7 @@ class SpanConstraint {
   std::size_t factorisations() const { return factorisations_; }
 
  private:
+  bool meets(std::span<double> x) const;
   void pivot(std::span<const double> b, std::span<double> x, std::span<double> multiplier);
   std::size_t mark_wrong(std::span<const double> b, std::span<const double> x, std::span<const double> multiplier,
                          double tolerance);
@@ -55,6 +56,7 @@ class SpanConstraint {
   BandedMatrix split_;                          // matrix_ without what couples active entries to others
   TridiagonalFactor factor_;                    // of split_
   bool monotone_;                               // an M-matrix
+  bool held_ = false;                           // an entry is active
   std::vector<unsigned char> active_, wanted_;  // Held; as it is and as it should be
   std::span<const double> lower_, upper_;       // of the present solution
   std::size_t solves_ = 0, factorisations_ = 0;

@@ -144,12 +144,13 @@ void StepEnergy::account_side(std::size_t n, const SideRows& side, EnergyAccount
 
 // An obstacle that moves does work at its own velocity, and takes energy at that of the node against it.
 double StepEnergy::taken_by_contacts(std::size_t n, EnergyAccount& energy) const {
+  if (!step_.pushed()) return 0.0;
   const auto& contacts = step_.contacts();
   const auto v = velocity();
   double taken = 0.0, given = 0.0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const double impulse = dt_ * step_.reaction()[k];
-    const std::size_t i = step_.stored_contacts()[k].unknown;
+    const std::size_t i = step_.stored_contacts()[k].entry;
     const double against = contacts[k].joint > 0 ? v(i - 1) : 0.0;
     taken -= impulse * (contacts[k].sign * (v(i) - against));
     if (impulse != 0.0 && system_.frame().moves(contacts[k]))

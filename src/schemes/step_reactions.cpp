@@ -75,6 +75,7 @@ void StepReactions::pass(std::size_t n, RunAccount& account) const {
       end.peak_reaction = std::max(end.peak_reaction, end.latest.raise(sign(k) * of_contact(k, theta), until));
     });
   }
+  if (!step_.pushed()) return;
   for (std::size_t k = 0; k < step_.contacts().size(); ++k) {
     const std::size_t number = step_.contacts()[k].joint;
     if (number == 0 || (now[k] == 0.0 && then[k] == 0.0)) continue;

@@ -42,12 +42,12 @@ BandedMatrix step_matrix(const BarSystem& system, double dt) {
 // Small functions that every step calls are inlined: at few nodes calls cost as much as they do.
 
 [[gnu::always_inline]] inline void TimeStep::keep_within(std::size_t k) {
-  const auto& [unknown, sign] = std::pair(stored_[k].unknown, stored_[k].sign);
-  double& u = u_[unknown];
-  if (stored_[k].joint > 0)
-    u = u_[unknown - 1] + std::max(stored_[k].of(u_), lower_[k]);
+  const EndConstraint::Bounded& at = stored_[k];
+  double& u = u_[at.entry];
+  if (at.joint)
+    u = u_[at.entry - 1] + std::max(at.of(u_), lower_[k]);
   else
-    u = sign * std::max(sign * u, lower_[k]);
+    u = at.sign * std::max(at.sign * u, lower_[k]);
 }
 
 TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, const FullyDiscrete& scheme,
@@ -61,7 +61,6 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       order_(factor_.order().size > 0 ? factor_.order() : LaneOrder{system.size()}),
       bar_(system, order_),
       contacts_(bounded_nodes(system.contacts())),
-      stored_(contacts_),
       obstacles_move_(std::ranges::any_of(contacts_, [&](const Contact& one) { return system.frame().moves(one); })),
       bounds_stay_(!obstacles_move_ && restitution_ == 0.0 && impact_ == Impact::paoli_schatzman),
       fields_(order_, system.loaded() && order_.rows > 0 ? 5 : 4) {
@@ -71,14 +70,15 @@ TimeStep::TimeStep(const BarSystem& system, const State& start, double begin, co
       values->resize(system.size());
     span_active_.resize(contacts_.size());
     active_ = span_active_;
+    for (const Contact& contact : contacts_) stored_.push_back({contact.unknown, contact.sign});
   } else {
     const BandedMatrix& condensed = factor_.condensed();
     interface_.resize(condensed.size());
     std::vector<EndConstraint::Bounded> ends;
-    for (Contact& contact : stored_) {
+    for (const Contact& contact : contacts_) {
       const std::size_t i = order_.interface_index(contact.unknown);
       ends.push_back({i, contact.sign, contact.joint > 0});
-      contact.unknown = order_.stored(i);
+      stored_.push_back({order_.stored(i), contact.sign, contact.joint > 0});
     }
     ends_ = &solver_.emplace<EndConstraint>(condensed, ends);
     active_ = ends_->active();
@@ -132,14 +132,17 @@ void TimeStep::solve_span(SpanConstraint& span, std::span<const double> b, std::
                           std::span<double> x, std::span<double> multiplier) {
   std::ranges::fill(span_lower_, unbounded);
   std::ranges::fill(span_upper_, -unbounded);
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    (contacts_[k].sign > 0.0 ? span_lower_ : span_upper_)[contacts_[k].unknown] = contacts_[k].sign * bound[k];
-  span.solve(b, span_lower_, span_upper_, x, span_reaction_);
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const std::size_t i = contacts_[k].unknown;
-    multiplier[k] = std::max(contacts_[k].sign * span_reaction_[i], 0.0);
-    span_active_[k] =
-        span.active()[i] == (contacts_[k].sign > 0.0 ? SpanConstraint::at_lower : SpanConstraint::at_upper);
+  for (std::size_t k = 0; k < stored_.size(); ++k)
+    (stored_[k].sign > 0.0 ? span_lower_ : span_upper_)[stored_[k].entry] = stored_[k].sign * bound[k];
+  if (!span.solve(b, span_lower_, span_upper_, x, span_reaction_)) {
+    std::ranges::fill(multiplier, 0.0);
+    std::ranges::fill(span_active_, 0);
+    return;
+  }
+  for (std::size_t k = 0; k < stored_.size(); ++k) {
+    const auto& [i, sign, joint] = stored_[k];
+    multiplier[k] = std::max(sign * span_reaction_[i], 0.0);
+    span_active_[k] = span.active()[i] == (sign > 0.0 ? SpanConstraint::at_lower : SpanConstraint::at_upper);
   }
 }
 
@@ -161,7 +164,7 @@ void TimeStep::project_start() {
   if ((inertia.is_diagonal() && !system_.elements().is_chain()) || system_.inertia().has_massless()) {
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
       const std::size_t i = contacts_[k].unknown;
-      double& p = p_[stored_[k].unknown];
+      double& p = p_[stored_[k].entry];
       const double sign = contacts_[k].sign, taken = std::max(bound[k] - sign * p, 0.0);
       start_impulse_[k] += inertia.diagonal[i] * taken;
       p += sign * taken;
@@ -206,6 +209,7 @@ void TimeStep::restored() {
   eliminated_ = false;
   if (auto* span = std::get_if<SpanConstraint>(&solver_)) span->restored();
   if (ends_) ends_->restored(reaction_);
+  pushes_ = pushed_ = true;
 }
 
 // The bound of u^{n+1} from u^n and u^{n-1} = u^n - dt p^{n-1/2}, at the start from u^0 and the initial velocity.
@@ -251,6 +255,7 @@ void TimeStep::balance(double t) {
   if (!load_stays()) evaluate_load(t);
   if (!bounds_stay_) bound_contacts(t);
   solve(dt_);
+  pushed_ = std::exchange(pushes_, std::ranges::any_of(reaction_, [](double one) { return one != 0.0; }));
 }
 
 void TimeStep::enter_load(double t) {
@@ -337,14 +342,14 @@ namespace {
 }  // namespace
 
 // Without rows: the nodes lie one after the other.
-void TimeStep::advance_in_order() {
+void TimeStep::advance_in_order(const double* acceleration) {
   eliminated_ = false;
-  const double dt = dt_, *interface = interface_.data();
+  const double dt = dt_;
   double *a = a_.data(), *p = p_.data(), *u = u_.data();
 #pragma GCC ivdep
   for (std::size_t i = 0; i < order_.size; ++i) {
-    a[i] = interface[i];
-    move(dt, interface[i], p[i], u[i]);
+    a[i] = acceleration[i];
+    move(dt, a[i], p[i], u[i]);
   }
 }
 
@@ -354,20 +359,19 @@ void TimeStep::advance() {
   for (std::size_t k = 0; k < held.size(); ++k)
     if (held[k]) bound_[k] = least_velocity(k);
   if (eliminated_ && order_.rows == 0)
-    advance_in_order();
+    advance_in_order(interface_.data());
   else if (eliminated_)
     substitute([dt = dt_, p = p_.data(), u = u_.data()](std::size_t i, const auto& a) { move(dt, a, p[i], u[i]); });
   else
-    for (std::size_t i = 0; i < u_.size(); ++i) move(dt_, a_[i], p_[i], u_[i]);
+    advance_in_order(a_.data());
   for (std::size_t k = 0; k < held.size(); ++k) {
     if (!held[k]) {
       keep_within(k);
       continue;
     }
-    const std::size_t i = stored_[k].unknown;
-    const bool of_joint = contacts_[k].joint > 0;
-    p_[i] = of_joint ? p_[i - 1] + bound_[k] : contacts_[k].sign * bound_[k];
-    u_[i] = of_joint ? u_[i - 1] + lower_[k] : contacts_[k].sign * lower_[k];
+    const auto& [i, sign, joint] = stored_[k];
+    p_[i] = joint ? p_[i - 1] + bound_[k] : sign * bound_[k];
+    u_[i] = joint ? u_[i - 1] + lower_[k] : sign * lower_[k];
   }
 }
 

@@ -69,7 +69,7 @@ class TimeStep {
   /// Nodes with an obstacle in the order of the unknowns, with the one that bounds them most, from either side.
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// The same as places in the order of fields.
-  const std::vector<Contact>& stored_contacts() const { return stored_; }
+  const std::vector<EndConstraint::Bounded>& stored_contacts() const { return stored_; }
   bool obstacles_move() const { return obstacles_move_; }  ///< true if any of these does
   /// s u + gap(t) of contact k for a displacement u of its node, at a joint against the one before.
   double clearance(std::size_t k, double t, double u) const {
@@ -80,9 +80,9 @@ class TimeStep {
   std::span<const double> start_impulse() const { return start_impulse_; }
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n >= 0, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
-  std::span<const unsigned char> active() const {
-    return active_;
-  }  ///< of each contact: true if its bound holds u^{n+1}
+  bool pushed() const { return pushes_ || pushed_; }                            ///< true if one of these is not 0
+  /// Of each contact: true if its bound holds u^{n+1}.
+  std::span<const unsigned char> active() const { return active_; }
 
   /// (M f)_e of a fixed end.
   double load_held(double t, bool right) const { return load_ ? load_->at_held(t, right) : 0.0; }
@@ -109,7 +109,7 @@ class TimeStep {
   template <class Use>
   void substitute(Use&& use);
   void complete();
-  void advance_in_order();
+  void advance_in_order(const double* acceleration);
   void start_from(const State& start, double begin, Start order);
   void project_start();
   void settle_massless(const Contact& contact, std::size_t next, double begin);
@@ -129,7 +129,8 @@ class TimeStep {
   std::span<const double> load_now_;
   double load_begin_ = 0.0, load_end_ = 0.0, next_break_ = 0.0;
   std::vector<double> mean_, profile_;  // the latter of the load, in the order of fields
-  std::vector<Contact> contacts_, stored_;
+  std::vector<Contact> contacts_;
+  std::vector<EndConstraint::Bounded> stored_;
   bool obstacles_move_, bounds_stay_;  // the latter: lower_ is that of the start
   std::variant<std::monostate, EndConstraint, SpanConstraint> solver_;
   EndConstraint* ends_ = nullptr;          // the solver, but under a span obstacle
@@ -141,6 +142,7 @@ class TimeStep {
   std::vector<double> lower_, bound_, reaction_, reaction_before_, start_impulse_;  // one a contact, of s u and s R
   std::vector<double> span_lower_, span_upper_, span_reaction_;                     // one a node
   std::vector<unsigned char> span_active_;                                          // one a contact
+  bool pushes_ = true, pushed_ = true;                                              // reaction_ and the one before
   std::size_t solves_ = 0, load_evaluations_ = 0;
 };
 
