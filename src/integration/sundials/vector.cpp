@@ -242,19 +242,31 @@ int hull_combination(int count, sunrealtype* c, N_Vector* x, N_Vector z) noexcep
   const std::size_t size = probed.entries.size();
   double *lowest = array(z).data(), *highest = lowest + size, *last = highest + size;
   const int at_end = c[0] != 0.0 ? 0 : count - 1, onward = at_end == 0 ? 1 : -1;
-  for (const std::size_t i : probed.selected) {
-    const auto term = [&, entry = static_cast<Eigen::Index>(probed.entries[i])](int k) {
-      return stored(x[at_end + k * onward])[entry];
+  // Neighbours at once, as those under a span obstacle are.
+  for (std::size_t at = 0, run; at < probed.selected.size(); at += run) {
+    const std::size_t i = probed.selected[at], entry = probed.entries[i];
+    const auto goes_on = [&](std::size_t k) {
+      return at + k < probed.selected.size() && probed.selected[at + k] == i + k && probed.entries[i + k] == entry + k;
     };
-    const double end = term(0), slope = term(1);
-    double away = std::abs(slope), bend = 0.0;
-    for (int k = 2; k < count; ++k) {
-      const double size_of_term = std::abs(term(k));
-      away += size_of_term, bend += k * size_of_term;
+    for (run = 1; goes_on(run); ++run) {
     }
-    lowest[i] = slope < -bend ? end : end - away;
-    highest[i] = slope > bend ? end : end + away;
-    last[i] = end;
+    const auto term = [&](int k) { return stored(x[at_end + k * onward]).data() + entry; };
+    // At first what p goes away by, and what the slope bends by.
+    double *const away = &lowest[i], *const bend = &highest[i];
+    const double *const ends = term(0), *const slopes = term(1);
+    for (std::size_t j = 0; j < run; ++j) away[j] = std::abs(slopes[j]), bend[j] = 0.0;
+    for (int k = 2; k < count; ++k) {
+      const double* const terms = term(k);
+#pragma GCC ivdep
+      for (std::size_t j = 0; j < run; ++j) away[j] += std::abs(terms[j]), bend[j] += k * std::abs(terms[j]);
+    }
+#pragma GCC ivdep
+    for (std::size_t j = 0; j < run; ++j) {
+      const double end = ends[j], low = end - away[j], high = end + away[j], bends = bend[j];
+      away[j] = slopes[j] < -bends ? end : low;
+      bend[j] = slopes[j] > bends ? end : high;
+      last[i + j] = end;
+    }
   }
   return 0;
 }
