@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "support/decompositions.hpp"
 #include "support/dense_matrix.hpp"
 #include "support/maximum_norm.hpp"
 #include "viscobar/case/recording.hpp"
@@ -21,11 +21,10 @@ namespace {
 std::pair<std::vector<double>, double> frequencies(const BarSystem& system) {
   BandedMatrix stiffness;
   system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
-  const MatrixXd quotient = dense(system.inertia().matrix()).partialPivLu().solve(dense(stiffness));
-  const Eigen::EigenSolver<MatrixXd> modes(quotient, false);
+  const MatrixXd squares = testing_support::quotient(dense(system.inertia().matrix()), dense(stiffness));
   std::vector<double> found;
   double imaginary = 0.0;
-  for (const auto& square : modes.eigenvalues()) {
+  for (const auto& square : testing_support::eigenvalues(squares)) {
     found.push_back(static_cast<double>(std::sqrt(std::max(0.0L, square.real()))));
     imaginary = std::max(imaginary, static_cast<double>(std::abs(square.imag())));
   }

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "support/decompositions.hpp"
 #include "viscobar/case/recording.hpp"
 #include "viscobar/input/scene_file.hpp"
 
@@ -165,7 +166,7 @@ class Judge {
     MatrixXd stiffness = stiffness_;
     VectorXd load = load_;
     if (closed) stiffness(0, 0) += 1 / scene_.epsilon, load[0] -= scene_.gap / scene_.epsilon;
-    const MatrixXd inverse = MatrixXd(inertia_(moving, moving)).inverse();
+    const MatrixXd inverse = testing_support::inverse(MatrixXd(inertia_(moving, moving)));
     MatrixXd a = MatrixXd::Zero(2 * n_ + 1, 2 * n_ + 1);
     const MatrixXd of_u = -inverse * stiffness(moving, Eigen::all), of_v = -inverse * damping_(moving, Eigen::all);
     const VectorXd of_load = inverse * VectorXd(load(moving));

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
+#include "support/decompositions.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 #include "viscobar/dynamics/load_vector.hpp"
 #include "viscobar/dynamics/penalty_law.hpp"
@@ -49,7 +50,7 @@ class FineStepOracle {
         inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().matrix().off_diagonal[i];
     }
     const Eigen::Index massive = end_ - begin_;
-    inverse_ = Matrix(inertia.block(begin_, begin_, massive, massive)).inverse();
+    inverse_ = inverse(Matrix(inertia.block(begin_, begin_, massive, massive)));
     for (const Contact& contact : system.contacts())
       laws_.push_back(penalty_law(penalty, contact.weight, system.inertia().contact_mass(contact)));
     closed_.assign(laws_.size(), false);

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
+#include "support/decompositions.hpp"
 #include "viscobar/dynamics/bar_system.hpp"
 
 namespace viscobar::testing_support {
@@ -30,9 +31,9 @@ class ModalSolution {
         inertia(i, i + 1) = inertia(i + 1, i) = system.inertia().matrix().off_diagonal[i];
       stiffness(i, i + 1) = stiffness(i + 1, i) = -1 / Real(system.mesh().spacing());
     }
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(stiffness, inertia);
-    modes_ = solver.eigenvectors();
-    mu_ = solver.eigenvalues();
+    const Modes found = modes(stiffness, inertia);
+    modes_ = found.vectors;
+    mu_ = found.values;
     if (!system.unknowns().left_fixed() && !system.unknowns().right_fixed()) mu_[0] = 0;  // exactly, in a rigid motion
     const State start = system.initial_state();
     const Matrix projection = modes_.transpose() * inertia;
