@@ -38,8 +38,8 @@ void BarSystem::internal_force(std::span<const double> u, std::span<const double
   for (const Support& support : supports_)
     out[support.unknown] -= support.stiffness * u[support.unknown] + support.dashpot * w[support.unknown];
   if (side_)
-    side_->subtract(side_->resistance(unknowns_.displacement_at_nodes(u), unknowns_.at_nodes(w)),
-                    unknowns_.first_node(), size(), out);
+    side_->subtract(u, w, unknowns_.first_node(), unknowns_.wall(false).value_or(0.0),
+                    unknowns_.wall(true).value_or(0.0), out);
 }
 
 void BarSystem::dynamic_stiffness(double m, double c, double k, BandedMatrix& out) const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -69,6 +70,11 @@ class SideRows {
         out[one.row - first] = out[one.row - first] - one.entries[k] * r(one.column(k));
   }
 
+  /// The same of the resistance of u and w at the nodes from `first` on, of displacement left and right at fixed ends;
+  /// many rows at once.
+  void subtract(std::span<const double> u, std::span<const double> w, std::size_t first, double left, double right,
+                std::span<double> out) const;
+
   /// Entries of the row of M of an end, from it inwards: columns 0, 1, 2 on the left.
   std::array<double, 3> end_row(bool right) const { return mass_.end_row(right); }
   /// The same of the row of node j, an end of a bar, inwards in that.
@@ -113,9 +119,15 @@ class SideRows {
       }
     }
     // The skew part of M diag(c) has none.
-    for (std::size_t j = 0; skew_ && has_stiffness() && j < mass_.off_diagonal.size(); ++j)
-      sum += 0.5 * (mass_.above(j) * stiffness_[j + 1] - mass_.below(j) * stiffness_[j]) *
-             (w(j) * u(j + 1) - w(j + 1) * u(j));
+    if (skew_stiffness_.empty()) return sum;
+    auto w_here = w(std::size_t{0});
+    auto u_here = u(std::size_t{0});
+    for (std::size_t j = 0; j < skew_stiffness_.size(); ++j) {
+      const auto w_next = w(j + 1);
+      const auto u_next = u(j + 1);
+      sum += skew_stiffness_[j] * (w_here * u_next - w_next * u_here);
+      w_here = w_next, u_here = u_next;
+    }
     return sum;
   }
 
@@ -138,6 +150,7 @@ class SideRows {
   BandedMatrix mass_;
   std::vector<double> stiffness_, drag_;
   bool skew_ = false;
+  std::vector<double> skew_stiffness_;  // of M diag(k), as in BandedMatrix; empty: none
 };
 
 }  // namespace viscobar
