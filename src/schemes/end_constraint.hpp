@@ -26,7 +26,7 @@ class EndConstraint {
     std::size_t entry;
     double sign;
     bool joint;
-    /// What is bounded, but for the sign.
+    /// The value that is bounded, but for the sign.
     double of(std::span<const double> x) const { return joint ? x[entry] - x[entry - 1] : x[entry]; }
   };
   EndConstraint(const BandedMatrix& matrix, const std::vector<Bounded>& entries);

@@ -361,11 +361,7 @@ class Run {
   }
 
   void count() {
-    if (step_) {
-      statistics_.linear_solves = step_->linear_solves();
-      statistics_.matrix_factorisations = step_->factorisations();
-      statistics_.load_evaluations = step_->load_evaluations();
-    }
+    if (step_) step_->count(statistics_);
     notifier_.count_seconds();
   }
 

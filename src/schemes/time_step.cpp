@@ -377,14 +377,11 @@ void TimeStep::advance() {
 
 bool TimeStep::finite_over_span() const { return std::isfinite(std::accumulate(a_.begin(), a_.end(), 0.0)); }
 
-std::size_t TimeStep::linear_solves() const {
+void TimeStep::count(Statistics& statistics) const {
   const auto* span = std::get_if<SpanConstraint>(&solver_);
-  return span ? span->solves() : solves_;
-}
-
-std::size_t TimeStep::factorisations() const {
-  const auto* span = std::get_if<SpanConstraint>(&solver_);
-  return span ? span->factorisations() : 1;
+  statistics.linear_solves = span ? span->solves() : solves_;
+  statistics.matrix_factorisations = span ? span->factorisations() : 1;
+  statistics.load_evaluations = load_evaluations_;
 }
 
 }  // namespace viscobar

@@ -81,7 +81,7 @@ class TimeStep {
   std::span<const double> reaction() const { return reaction_; }                ///< lambda^n >= 0, one a contact
   std::span<const double> reaction_before() const { return reaction_before_; }  ///< lambda^{n-1}
   bool pushed() const { return pushes_ || pushed_; }                            ///< true if one of these is not 0
-  /// Of each contact: true if its bound holds u^{n+1}.
+  /// One a contact: true if its bound holds u^{n+1}.
   std::span<const unsigned char> active() const { return active_; }
 
   /// (M f)_e of a fixed end.
@@ -94,9 +94,8 @@ class TimeStep {
     return ends_ ? std::isfinite(interface_.front()) && std::isfinite(interface_.back()) : finite_over_span();
   }
 
-  std::size_t linear_solves() const;
-  std::size_t factorisations() const;
-  std::size_t load_evaluations() const { return load_evaluations_; }
+  /// Tells what it has solved, factorised and evaluated.
+  void count(Statistics& statistics) const;
 
  private:
   bool finite_over_span() const;
