@@ -27,7 +27,7 @@ class LaneBar {
   /// int w_x^2 of the velocity w = p + lever a
   double squared_strain_rate(std::span<const double> p, double lever, std::span<const double> a) const;
 
-  /// p.S a of the skew part S of the inertia, which has one
+  /// p.S a of the skew part S of the inertia, which has one, on rows
   double skew_power(std::span<const double> p, std::span<const double> a) const;
 
  private:

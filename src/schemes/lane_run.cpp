@@ -42,7 +42,7 @@ void LaneScheme::load_bars(std::span<const Member> bars) {
     p_[i] = gathered(bars, [&](const Member& one) { return one.start->v[i]; });
   }
   const std::vector<double>& stretch = pattern_.stretch;
-  graded_ = !std::ranges::all_of(stretch, [&](double one) { return one == 0.0 || one == stretch[1]; });
+  graded_ = !pattern_.is_of_alike();
   scale_ = graded_ ? modulus_ : stretch[1] * modulus_;
   inverse_scale_ = 1.0 / scale_;
   relaxation_ = viscosity_ / modulus_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -34,6 +35,10 @@ struct Pattern {
 
   std::size_t size() const { return inertia.size(); }  ///< n
   bool fixed(bool right) const { return stretch[right ? size() : 0] != 0.0; }
+  /// True if no element differs from another.
+  bool is_of_alike() const {
+    return std::ranges::all_of(stretch, [&](double one) { return one == 0.0 || one == stretch[1]; });
+  }
 };
 
 /// A part of the load: weights(i) times a function of time, or 1.

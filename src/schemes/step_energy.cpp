@@ -51,13 +51,12 @@ StepEnergy::StepEnergy(const BarSystem& system, TimeStep& step, std::span<const 
 
 // The skew part takes what v^n = p - dt/2 a and p alike give it.
 double StepEnergy::end_power() const {
-  const auto v = velocity();
-  const auto a = step_.acceleration();
-  const BandedMatrix& inertia = system_.inertia().matrix();
   const std::size_t* const places = places_.data();
-  const double of_rows = inertia.one_sided_product([=](std::size_t i) { return v(places[i]); },
-                                                   [=](std::size_t i) { return a[places[i]]; });
-  return inertia.skew.empty() ? of_rows : of_rows + bar_.skew_power(step_.p(), a);
+  const auto v = [v = velocity(), places](std::size_t i) { return v(places[i]); };
+  const auto a = [a = step_.acceleration().data(), places](std::size_t i) { return a[places[i]]; };
+  const BandedMatrix& inertia = system_.inertia().matrix();
+  if (inertia.skew.empty() || step_.order().rows == 0) return inertia.unsymmetric_product(v, a);
+  return inertia.one_sided_product(v, a) + bar_.skew_power(step_.p(), step_.acceleration());
 }
 
 namespace {

@@ -115,6 +115,12 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
 
 Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
     : mass_(mass), end_(first.end), keys_(std::move(keys)), elements_(first.elements) {
+  // A key that may change the pattern would let a bar's way depend on which is the first.
+  Case of_keys = first;
+  for (const std::string& key : keys_)
+    if (key.starts_with("mesh.") ||
+        (first.scene.section && !key.starts_with("initial.") && (key == "bar.length" || !number_of(of_keys, key))))
+      return;
   pattern_ = pattern_of(first);
   // A spring, a dashpot or a mass may be 0 in the first bar.
   for (const std::string& key : keys_)
