@@ -441,7 +441,8 @@ TEST(Ensemble, UndampedBarsOfUnequalElementsAreWithinTheirEstimates) {
       const EnsembleResult found = ensemble(study), truth = truth_of(made, study.outputs);
       for (std::size_t i = 0; i < found.bars; ++i) {
         EXPECT_EQ(found.ways[i], viscosity > 0.0 ? BarWay::lanes : BarWay::alone) << mass << i;
-        EXPECT_LE(error_of(found, truth, i, 2), viscosity > 0.0 ? 3.0 * found.error[i] : 1e-3) << mass << viscosity << i;
+        EXPECT_LE(error_of(found, truth, i, 2), viscosity > 0.0 ? 3.0 * found.error[i] : 1e-3)
+            << mass << viscosity << i;
       }
     }
 }
