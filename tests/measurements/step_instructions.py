@@ -3,9 +3,9 @@ of one in docs/bars-in-line.md.
 
 python3 tests/measurements/step_instructions.py [--bars] PROGRAM [PROGRAM BEFORE]
 
-With --bars the rows of sections and bars in line alone, which write at their end. Each number is of two runs, of times T and 2 T: the
-difference of instructions over that of steps, so that what a process costs at its start and end is no part of it. It
-needs valgrind, which knows AVX2 but not AVX-512: build the programs by
+With --bars the rows of sections, unequal elements and bars in line alone, which write at their end. Each number is of
+two runs, of times T and 2 T: the difference of instructions over that of steps, so that what a process costs at its
+start and end is no part of it. It needs valgrind, which knows AVX2 but not AVX-512: build the programs by
 cmake --preset package -B build/avx2 -DCMAKE_CXX_FLAGS=-march=x86-64-v3.
 """
 import concurrent.futures
@@ -49,10 +49,12 @@ SCENES = {  # nothing touches; ten contact changes, and a load
     "driven": dict(gap=0.1, load="-0.2+sin(3*t)", mass="redistributed", end=10.0),
 }
 METHODS = ("cvode", "ida", "arkode", "fully_discrete")
-# The same length in one bar, of a section as well, and in ten, bonded or in contacts that are pushed shut.
+# The same length in one bar, of a section or of unequal elements as well, and in ten, bonded or in contacts that are
+# pushed shut.
 BARS = {
     "one bar": "[bar]\nlength = 1.0\nviscosity = 0.01\n",
     "of a section": '[bar]\nlength = 1.0\nviscosity = 0.01\nsection = "1+0.1*x"\n',
+    "unequal elements": "[[bar]]\nlength = 1.0\nviscosity = 0.01\nnodes = {nodes}\n",
     "ten, bonded": "[[bar]]\nlength = 0.1\nviscosity = 0.01\n" * 10,
     "ten, in contact": '[[joint]]\nkind = "contact"\n'.join(["[[bar]]\nlength = 0.1\nviscosity = 0.01\n"] * 10),
 }
@@ -87,7 +89,8 @@ def scene_text(scene, elements, method, times):
         keys = SCENES[scene]
         return SCENE.format(**{**keys, "end": times * keys["end"], "elements": elements, "method": method})
     end = 5.0 if method == "rigid" else 0.5  # its steps are long
-    return BARS[scene] + OF_BARS.format(load="-0.2+sin(3*t)", end=end * times, elements=elements, mass="fourth_order", method=method)
+    nodes = [(j / elements) ** 1.2 for j in range(elements + 1)]
+    return BARS[scene].format(nodes=nodes) + OF_BARS.format(load="-0.2+sin(3*t)", end=end * times, elements=elements, mass="fourth_order", method=method)
 
 
 def main():
