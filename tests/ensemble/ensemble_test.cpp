@@ -428,7 +428,7 @@ TEST(Ensemble, ABarsWayAndBitsDependOnNoOtherBar) {
 // of what it was.
 TEST(Ensemble, UndampedBarsOfUnequalElementsAreWithinTheirEstimates) {
   for (const char* mass : {"fourth_order", "consistent", "lumped"})
-    for (const double viscosity : {0.0, 0.05}) {
+    for (const double viscosity : {0.0, 1e-3, 0.05}) {  // damping ratios 0, 0.04 and 2
       TextEnsemble made{fmt::format("[bar]\nlength=1\nviscosity={}\n[parameters]\nq=5\n[left]\nkind=\"obstacle\"\n"
                                     "gap=0.2\n[right]\nkind=\"fixed\"\n[initial]\nvelocity=\"0.3*sin(q*x)\"\n[mesh]\n"
                                     "elements=11\ngrading=6.9\nmass=\"{}\"\n[time]\nend=3\n",
@@ -436,12 +436,12 @@ TEST(Ensemble, UndampedBarsOfUnequalElementsAreWithinTheirEstimates) {
                         {"parameters.q", "left.gap"},
                         {{3.0, 5.0, 7.0, 9.0, 11.0}, {0.05, 0.3, 1.0, 2.0, 3.0}}};
       EnsembleStudy study = made.study();
-      study.outputs = {"u_left@0.25", "final"};
+      study.outputs = {"u_left@0.05"};
       study.error = 1e-3;
       const EnsembleResult found = ensemble(study), truth = truth_of(made, study.outputs);
       for (std::size_t i = 0; i < found.bars; ++i) {
         EXPECT_EQ(found.ways[i], viscosity > 0.0 ? BarWay::lanes : BarWay::alone) << mass << i;
-        EXPECT_LE(error_of(found, truth, i, 2), viscosity > 0.0 ? 3.0 * found.error[i] : 1e-3)
+        EXPECT_LE(error_of(found, truth, i, 1), viscosity > 0.0 ? 3.0 * found.error[i] : 1e-3)
             << mass << viscosity << i;
       }
     }

@@ -27,8 +27,6 @@ LaneLevels::LaneLevels(const Members& members, const Layout& layout, const Share
       tell_(std::move(tell)),
       alone_(std::move(alone)),
       scheme_(*members.pattern()),
-      alike_(members.pattern()->is_of_alike()),
-      finest_(1.0),
       values_(layout.width, Lanes(std::numeric_limits<double>::quiet_NaN())) {
   for (std::size_t e = 0; e < layout.mesh.elements; ++e)
     finest_ = std::min(finest_, layout.mesh.element(e) / layout.mesh.length);
@@ -80,12 +78,12 @@ std::size_t LaneLevels::first_level(const Bar& bar) const {
 // A node that rebounds does so two steps late, and one with a mass that is pulled off as it strikes is back within a
 // step or two: no run side by side tells these contact changes. The first force of an impact is over within a step, and
 // one on a node with mass grows with their number.
-// Nor do runs tell their error where elements that are not alike have waves that nothing damps: those of the smallest
-// ones, which data and contacts set going, are no steps' to resolve.
+// Nor do two runs tell their error where no step resolves the waves of the smallest of unequal elements and viscosity
+// does not damp them. At damping ratios 0, 0.01 and 0.03 errors are up to 6, 1.9 and 1.3 times the estimate.
 bool LaneLevels::is_of_rigid(const Member& bar) const {
   const Pattern& pattern = *members_.pattern();
   const double damping = bar.bar.viscosity * bar.bar.wave_speed() / (bar.bar.modulus * bar.bar.length * finest_);
-  if (!alike_ && damping < 0.1) return true;
+  if (damping < 0.03 && !pattern.is_of_alike()) return true;
   const bool weighted = (pattern.contact[0] && bar.mass[0] > 0.0) || (pattern.contact[1] && bar.mass[1] > 0.0);
   return bar.restitution > 0.0 || layout_.peaks || (layout_.most_changes > 0 && weighted);
 }

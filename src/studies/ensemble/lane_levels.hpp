@@ -67,8 +67,7 @@ class LaneLevels {
   std::function<void(std::size_t, Told)> tell_;
   std::function<void(std::size_t)> alone_;
   LaneScheme scheme_;
-  bool alike_;                                                // its elements
-  double finest_;                                             // of them, over the bar's length
+  double finest_ = 1.0;                                       // the smallest element over the bar's length
   std::array<std::vector<Waiting>, most_level + 1> waiting_;  // of each level
 
   // The values of the bars of the pack that ran last, and what tells their error.
