@@ -312,7 +312,8 @@ bool EventSearch::far(std::size_t i) const {
     return !contacts_.closed(i) && lowest_[b] - highest_[a] + indicators_.offset(i, 0.0) > 0.0;
   }
   if (lets_go_ && lets_go(i) && contacts_.closed(i)) return false;
-  const double offset = weights_[i].offset ? *weights_[i].offset : indicators_.offset(i, 0.0);  // not of t
+  // Here it does not depend on t.
+  const double offset = weights_[i].offset ? *weights_[i].offset : indicators_.offset(i, 0.0);
   const double lowest = lowest_[first_[i]], highest = highest_[first_[i]];
   const bool below = contacts_[i].sign > 0.0;
   const double low = (below ? lowest : -highest) + offset, high = (below ? highest : -lowest) + offset;
