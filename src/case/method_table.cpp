@@ -61,7 +61,6 @@ constexpr MethodRow rows[] = {
      .meaning = "penalised bar by Boost.Odeint's steppers, an independent integrator",
      .penalised = true, .accuracy = Accuracy::tolerances, .seconds = multistep,
      .options = [](const Setup& setup) -> Method { return Odeint{penalty(setup), setup.run.tolerance, setup.run.stepper}; },
-     // The dense matrices of rosenbrock4, on few nodes, do not count.
      .vectors = [](const Case&, double) { return one_step_vectors(14); }, .takes_algebraic_rows = false, .takes_laws = true},
     {.method = MethodName::rigid, .name = "rigid",
      .meaning = "the limit epsilon = 0 itself; no span obstacle",

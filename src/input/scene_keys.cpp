@@ -30,7 +30,7 @@ constexpr KeyRange not_negative{0.0, largest, ">= 0"};
 // clang-format off
 constexpr Choice steppers[] = {
     {"automatic", "rosenbrock4 or dopri5, by what their steps cost"},
-    {"rosenbrock4", "linearly implicit, order 4, dense matrices: few nodes"},
+    {"rosenbrock4", "linearly implicit, order 4"},
     {"dopri5", "explicit, order 5"},
 };
 constexpr Choice starts[] = {

@@ -146,7 +146,7 @@ TEST_F(Compare, LeavesOutAnExplicitMethodThatWouldTakeLong) {
   const Ended ended =
       viscobar("compare " + scene("chatter") +
                " --set mesh.elements=1000 --set bar.viscosity=1 --set time.end=1 --set output.every=0.5 "
-               "--set method.step=0.01 --json");
+               "--set method.step=0.01 --set method.stepper=dopri5 --json");
   ASSERT_EQ(ended.code, 0) << ended.error;
   EXPECT_NE(ended.json()["skipped"].dump().find("for it is explicit"), std::string::npos);
 }

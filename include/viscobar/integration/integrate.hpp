@@ -103,16 +103,14 @@ struct Arkode {
 /// Steppers of Boost.Odeint; `automatic` is the cheaper of rosenbrock4 and dopri5 (docs/methods.md).
 enum class Stepper {
   automatic,
-  rosenbrock4,  ///< linearly implicit, order 4, dense matrices: few nodes
+  rosenbrock4,  ///< linearly implicit, order 4
   dopri5        ///< explicit, order 5
 };
 std::string_view name(Stepper stepper);  ///< in a scene file
 
-/// Boost.Odeint on the explicit form u' = w, w' = (rho M)^{-1} F: shares no formula and no solver with the SUNDIALS
+/// Boost.Odeint's formulas on u' = w, rho M w' = F: shares no formula and no solver with the SUNDIALS
 /// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
 struct Odeint {
-  static constexpr std::size_t most_dense_unknowns = 100;  ///< of rosenbrock4
-
   Penalty penalty;                       ///< of the contacts
   Tolerance tolerance;                   ///< of the solution
   Stepper stepper = Stepper::automatic;  ///< which

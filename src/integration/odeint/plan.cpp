@@ -17,9 +17,10 @@ namespace {
 
 constexpr double most_steps = 1e9;
 
-// Steps of dopri5 per n^2 from which on rosenbrock4 is cheaper: a dense step costs as much as n^2 / 17 explicit ones,
-// and a run makes some 900 (docs/internals/integrators.md).
-constexpr double dense_worth = 50.0;
+// Steps of dopri5 a transit time from which on rosenbrock4 is cheaper at a tolerance of 1e-6: its steps cost a quarter
+// more, and their number goes by the fourth root of the tolerance. Undamped waves cost it up to seven times as much,
+// damped ones it has at a tenth and less.
+constexpr double implicit_worth = 150.0;
 
 // |R(z)| of dopri5 stays below 1 on the negative real axis up to here.
 constexpr double real_stability = 3.3;
@@ -81,7 +82,6 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
   plan.stepper = method.stepper;
   const Spectrum bound = spectrum(system, method.penalty);
   const double explicit_steps = duration * bound.decay / real_stability;
-  const bool few = system.size() <= Odeint::most_dense_unknowns;
   // Whose Jacobian is not constant.
   const auto bent = std::ranges::find_if(system.contacts(), [&](const Contact& contact) {
     return system.stop(contact) && !system.stop(contact)->linear();
@@ -95,11 +95,13 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     plan.stepper = Stepper::dopri5;
   }
   if (plan.stepper == Stepper::automatic) {
-    const auto n = static_cast<double>(system.size());
     // At its bound of stability dopri5 leaves a node without mass a velocity that no tolerance bounds.
-    plan.stepper = few && (system.inertia().has_massless() || explicit_steps > dense_worth * n * n)
-                       ? Stepper::rosenbrock4
-                       : Stepper::dopri5;
+    const double transits = duration / (system.bar().length * system.bar().slowness());
+    const double worth = implicit_worth * transits * std::pow(1e-6 / method.tolerance.relative, 0.25);
+    // A damped bar may come to rest in contact, where dopri5 still steps by the contact's own oscillation.
+    const bool rests = system.bar().damped() && duration * bound.frequency > 100.0 * worth;
+    const bool stiff = system.inertia().has_massless() || explicit_steps > worth || rests;
+    plan.stepper = stiff ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
   if (plan.refusal) return plan;
   if (system.inertia().has_massless() && !system.bar().damped()) {
@@ -108,11 +110,6 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     plan.least_steps = explicit_steps;
     if (bound.open * system.bar().viscosity < 2.0 * damped * system.bar().modulus)
       plan.longest_step = imaginary_stability / bound.open;
-  } else if (!few) {
-    plan.refusal = Finding{"method.stepper",
-                           fmt::format("rosenbrock4 works with dense matrices, up to {} unknown nodes, here are {}; "
-                                       "use arkode, or dopri5",
-                                       Odeint::most_dense_unknowns, system.size())};
   }
   if (!plan.refusal && plan.least_steps > most_steps)
     plan.refusal = Finding{"method.name",

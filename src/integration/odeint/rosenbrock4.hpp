@@ -1,19 +1,32 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <boost/numeric/odeint/stepper/rosenbrock4.hpp>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
-#include "dynamics/relaxing_rows.hpp"
-#include "integration/odeint/dense_rosenbrock.hpp"
+#include "dynamics/lost_inertia.hpp"
 #include "integration/odeint/explicit_formulas.hpp"
+#include "run/step_failure.hpp"
 
 namespace viscobar {
 
-/// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3: one dense factorisation of order
-/// 2 n and six solves a step. They are given z = (u, tau w), tau the power of two next to L / c below it: so the rows
-/// have one unit, and which of them is a pivot does not depend on the units of the scene.
+/// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3, by Odeint's coefficients. With
+/// f(t, y) the rate of y = (u, w), J and f_t its derivatives, and g = gamma h,
+///
+///     (1 - g J) k_i = g (f(t_i, y + sum_{j<i} a_ij k_j) + sum_{j<i} c_ij k_j / h + theta_i h f_t),    i = 1, ..., 6,
+///     y_1 = y + sum_{j<6} a_6j k_j + k_6,    error = k_6.
+///
+/// Time is one more unknown, of rate 1: its increment in stage i is theta_i h, by the same formulas. (With Odeint's own
+/// coefficients of h f_t they are of order 2 only.) F being linear in u and w as long as no contact changes, a stage is
+/// one tridiagonal solve for its w, k_w, from its u, k_u = g (r + k_w),
+///
+///     (rho M + g eta C + g^2 E K) k_w = g (F(t_i, u_i + g r, w_i) + rho M sum c_ij k_w,j / h + theta_i h F_t),
+///     r = w_i + sum c_ij k_u,j / h.
+///
+/// The row of a massless node holds with the velocity that follows from it in place of w. That of y stands still.
 class Rosenbrock4 {
  public:
   static constexpr double error_order = 4.0;  // of a step
@@ -21,127 +34,126 @@ class Rosenbrock4 {
   Rosenbrock4(PenalisedSystem& system, Statistics& statistics)
       : form_(system, statistics),
         statistics_(statistics),
-        size_(2 * system.size()),
-        rate_(size_),
-        load_rate_(system.size()),
-        state_(size_),
-        tau_(power_of_two(system.bar().bar().length * system.bar().bar().slowness())),
-        dense_(
-            size_,
-            [this](double t, const double* z, double* rate) {
-              to_state(z, state_);
-              form_(t, state_, {rate, size_});
-              multiply_velocities({rate, size_}, tau_);
-            },
-            [this](double t, double* rate) {
-              find_time_rate(t, {rate, size_});
-              multiply_velocities({rate, size_}, tau_);
-            }) {}
-  Rosenbrock4(const Rosenbrock4&) = delete;
-  Rosenbrock4& operator=(const Rosenbrock4&) = delete;
+        n_(system.size()),
+        state_(2 * n_),
+        at_(state_),
+        rate_(state_),
+        load_rate_(n_),
+        momentum_(n_) {
+    for (std::vector<double>& stage : stages_) stage.resize(2 * n_);
+  }
 
   void begin_leg(StepPolynomial::End& start) {
-    find_jacobian();
-    std::copy_n(start.y.begin(), size_, dense_.state());
-    multiply_velocities({dense_.state(), size_}, tau_);
-    to_state(dense_.state(), state_);
+    std::copy_n(start.y.begin(), 2 * n_, state_.begin());
     form_(start.t, state_, rate_);
     take_acceleration(rate_, start);
   }
 
   double attempt(double t, double h, std::span<const double> weights, StepPolynomial::End& reached) {
-    dense_.attempt(t, h);
-    ++statistics_.matrix_factorisations;
-    statistics_.linear_solves += 6;
-    to_state(dense_.error(), rate_);
-    to_state(dense_.next(), state_);
-    const double error = weighted_error(rate_, weights, state_);
+    std::ranges::fill(load_rate_, 0.0);
+    form_.system.load().add_rate(t, load_rate_);
+    factorise(gamma * h);
+    std::array<double, count> time{};
+    for (std::size_t i = 0; i < count; ++i) {
+      double at = t;
+      time[i] = 1.0;
+      for (std::size_t j = 0; j < i; ++j) at += a[i][j] * time[j] * h, time[i] += c[i][j] * time[j];
+      time[i] *= gamma;
+      solve_stage(i, at, h, time[i] * h);
+    }
+    for (std::size_t k = 0; k < 2 * n_; ++k) at_[k] += stages_.back()[k];
+    const double error = weighted_error(stages_.back(), weights, at_);
     if (error <= 1.0) {
-      const bool stiff = StepPolynomial::spoils_acceleration(form_.system, h);
-      if (stiff) {
-        dense_.rate(rate_.data());
-        multiply_velocities(rate_, 1.0 / tau_);
+      std::ranges::copy(at_, reached.y.begin());
+      if (StepPolynomial::spoils_acceleration(form_.system, h)) {
+        // By the formulas' own interpolation, of order 3: the rate would make of an error of y, however small, its
+        // multiple by the fastest decay. It is (1 - s) y_0 + s y_1 + s (1 - s) (p + s q).
+        for (std::size_t k = n_; k < 2 * n_; ++k) {
+          double bent = 0.0;
+          for (std::size_t j = 0; j < d.size(); ++j) bent += d[j] * stages_[j][k];
+          reached.a[k - n_] = (at_[k] - state_[k] - bent) / h;
+        }
+      } else {
+        form_(reached.t, at_, rate_);
+        take_acceleration(rate_, reached);
       }
-      dense_.accept();
-      to_state(dense_.state(), state_);
-      std::ranges::copy(state_, reached.y.begin());
-      if (!stiff) form_(reached.t, state_, rate_);
-      take_acceleration(rate_, reached);
+      state_.swap(at_);
     }
     return error;
   }
 
  private:
-  // Products with it are exact.
-  static double power_of_two(double value) { return std::exp2(std::floor(std::log2(value))); }
+  static constexpr std::size_t count = 6;
+  using Row = std::array<double, count>;
+  inline static const boost::numeric::odeint::default_rosenbrock_coefficients<double> of;
+  inline static const double gamma = of.gamma;
+  inline static const std::array<Row, count> a{{{},
+                                                {of.a21},
+                                                {of.a31, of.a32},
+                                                {of.a41, of.a42, of.a43},
+                                                {of.a51, of.a52, of.a53, of.a54},
+                                                {of.a51, of.a52, of.a53, of.a54, 1.0}}};
+  inline static const std::array<Row, count> c{{{},
+                                                {of.c21},
+                                                {of.c31, of.c32},
+                                                {of.c41, of.c42, of.c43},
+                                                {of.c51, of.c52, of.c53, of.c54},
+                                                {of.c61, of.c62, of.c63, of.c64, of.c65}}};
+  // p + q
+  inline static const std::array<double, 5> d{of.d21 + of.d31, of.d22 + of.d32, of.d23 + of.d33, of.d24 + of.d34,
+                                              of.d25 + of.d35};
 
-  static void multiply_velocities(std::span<double> y, double factor) {
-    for (double& w : y.subspan(y.size() / 2)) w *= factor;
-  }
-  void to_state(const double* z, std::vector<double>& y) const {
-    std::copy_n(z, size_, y.begin());
-    multiply_velocities(y, 1.0 / tau_);
-  }
-
-  // On a leg the rate is linear in y: by the rows' own matrices, so that no constant part takes digits from it.
-  void find_jacobian() {
-    const PenalisedSystem& system = form_.system;
-    const std::size_t n = system.size();
-    BandedMatrix damping, stiffness;
-    system.dynamic_stiffness(0.0, 1.0, 0.0, damping);
-    system.dynamic_stiffness(0.0, 0.0, 1.0, stiffness);
-    std::vector<unsigned char> held(n);
-    for (std::size_t i = 0; i < n; ++i)
-      if (std::isinf(stiffness.diagonal[i])) held[i] = 1, stiffness.diagonal[i] = damping.diagonal[i] = 0.0;
-    std::vector<double> u(n), w(n), elastic(n), viscous(n);
-    for (std::size_t j = 0; j < size_; ++j) {
-      std::ranges::fill(u, 0.0);
-      std::ranges::fill(w, 0.0);
-      (j < n ? u[j] : w[j - n]) = j < n ? 1.0 : 1.0 / tau_;
-      stiffness.multiply(u, elastic);
-      for (const std::size_t end : {std::size_t{0}, n - 1}) {
-        if (!system.bar().inertia().massless(end)) continue;
-        w[end] = 0.0;
-        damping.multiply(w, viscous);
-        if (!held[end]) w[end] = -(elastic[end] + viscous[end]) / damping.diagonal[end];
-      }
-      damping.multiply(w, viscous);
-      for (std::size_t i = 0; i < n; ++i) viscous[i] = -(elastic[i] + viscous[i]);
-      system.bar().inertia().accelerate(viscous);
-      for (std::size_t i = 0; i < n; ++i) {
-        dense_.jacobian(i, j) = w[i];
-        dense_.jacobian(n + i, j) = tau_ * viscous[i];
-      }
+  void factorise(double g) {
+    form_.system.dynamic_stiffness(1.0, g, g * g, matrix_);
+    try {
+      factor_.factorise(matrix_);
+    } catch (const std::domain_error&) {
+      throw StepFailure(Failure::inertia, lost_inertia(form_.system.bar(), 1.0, g, g * g));
     }
+    ++statistics_.matrix_factorisations;
   }
 
-  void find_time_rate(double t, std::span<double> out) {
-    std::ranges::fill(out, 0.0);
+  void solve_stage(std::size_t i, double t, double h, double time) {
     PenalisedSystem& system = form_.system;
-    if (!system.load().varies()) return;
-    const std::size_t n = system.size();
-    const Bar& bar = system.bar().bar();
-    const auto [before, after] = system.load().beside(t);
-    if (!(before < after)) return;
-    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = -system.load().at(i, before);
-    for (std::size_t i = 0; i < n; ++i) load_rate_[i] = (load_rate_[i] + system.load().at(i, after)) / (after - before);
-    const std::span<double> a = out.subspan(n, n);
-    std::ranges::copy(load_rate_, a.begin());
-    // A massless node passes the load's effect on its velocity on to its neighbour.
-    for (const auto& row : relaxing_rows(system.contacts())) {
-      out[row.unknown] = row.load_share * load_rate_[row.unknown];
-      a[row.neighbours[0].unknown] +=
-          bar.viscosity / system.bar().elements().stretch_beside(row.unknown) * out[row.unknown];
+    const double g = gamma * h;
+    std::vector<double>& stage = stages_[i];
+    const auto combine = [&](const Row& by, double scale, std::size_t begin, std::size_t end, double* out) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const double factor = scale * by[j], *of_j = stages_[j].data();
+        if (factor == 0.0) continue;
+        for (std::size_t k = begin; k < end; ++k) out[k] += factor * of_j[k];
+      }
+    };
+    std::ranges::copy(state_, at_.begin());
+    combine(a[i], 1.0, 0, 2 * n_, at_.data());
+    std::ranges::fill(stage, 0.0);
+    combine(c[i], 1.0 / h, 0, 2 * n_, stage.data());
+    const std::span<double> u = std::span(rate_).first(n_), w = std::span(rate_).last(n_);
+    std::ranges::copy(std::span(at_).last(n_), w.begin());
+    system.complete_velocity(t, std::span(at_).first(n_), w);
+    for (std::size_t k = 0; k < n_; ++k) {
+      stage[k] += w[k];
+      u[k] = at_[k] + g * stage[k];
     }
-    system.bar().inertia().accelerate(a);
+    const std::span<double> right = std::span(stage).last(n_);
+    system.bar().inertia().matrix().multiply(right, momentum_);
+    system.force(t, u, w, right);
+    ++statistics_.rhs_evaluations;
+    for (std::size_t k = 0; k < n_; ++k) right[k] = g * (right[k] + momentum_[k] + time * load_rate_[k]);
+    factor_.solve(right);
+    ++statistics_.linear_solves;
+    for (std::size_t k = 0; k < n_; ++k) stage[k] = g * (stage[k] + right[k]);
+    for (const std::size_t end : {std::size_t{0}, n_ - 1})
+      if (system.bar().inertia().massless(end)) right[end] = 0.0;
   }
 
   FirstOrder form_;
   Statistics& statistics_;
-  std::size_t size_;
-  std::vector<double> rate_, load_rate_, state_;  // the last as y
-  double tau_;                                    // of the scene
-  DenseRosenbrock dense_;
+  std::size_t n_;
+  std::vector<double> state_, at_, rate_, load_rate_, momentum_;
+  std::array<std::vector<double>, count> stages_;
+  BandedMatrix matrix_;
+  TridiagonalFactor factor_;
 };
 
 }  // namespace viscobar
