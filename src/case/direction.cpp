@@ -126,6 +126,36 @@ Direction::Beside beside(const Case& run, double apart, const std::function<void
   return {both[0].scene, both[1].scene, both[0].mesh(), both[1].mesh(), apart};
 }
 
+// Data by moments, or by values at nodes, are so in the scenes beside, too: none of their breaks beyond the end of a
+// chain, at `whole`, comes inside one that is longer, and one at the end leaves none that is shorter.
+void keep_within(double whole, Places& places) {
+  if (!places.breaks) return;
+  places.by_moments |= places.breaks(0.0, whole).has_value();
+  places.breaks = [breaks = places.breaks, whole](double after, double until) {
+    const auto next = breaks(after, until);
+    return next && *next < whole ? next : std::nullopt;
+  };
+}
+
+void keep_within(double whole, Scene& scene) {
+  keep_within(whole, scene.velocity_places);
+  if (scene.side) keep_within(whole, scene.side->stiffness_places), keep_within(whole, scene.side->drag_places);
+  if (auto* steady = scene.load ? std::get_if<SteadyLoad>(&*scene.load) : nullptr) keep_within(whole, steady->places);
+  if (auto* separable = scene.load ? std::get_if<SeparableLoad>(&*scene.load) : nullptr)
+    keep_within(whole, separable->places);
+}
+
+// A bar that is `length` long, from `begin` on, is longer by that: what moves with the nodes has breaks there.
+NextBreak moved(const NextBreak& breaks, double begin, double length, double by) {
+  if (!breaks) return breaks;
+  return [=](double after, double until) {
+    const auto then = [&](double x) { return x - by * std::clamp((x - begin) / (length + by), 0.0, 1.0); };
+    std::optional<double> next = breaks(then(after), then(until));
+    if (next) *next += by * std::clamp((*next - begin) / length, 0.0, 1.0);
+    return next;
+  };
+}
+
 // True where bonded members have unlike velocities, which enter by their moments: so do derivatives, be they alike.
 bool meet_unlike(const std::vector<Member>& chain) {
   for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
@@ -252,12 +282,16 @@ Direction direction(const Case& run, std::string_view key) {
     const double length = member.bar.length;
     if (scene.load || scene.side) {
       *place = 0.0;
+      double begin = 0.0;
+      for (std::size_t k = 0; k < m; ++k) begin += scene.chain[k].bar.length;
       along.beside = beside(run, share_of_difference * length, [&](Scene& longer, double by) {
         Member& own = longer.chain[m];
         own.bar.length += by;
         for (SpaceFunction* f : {&own.displacement, &own.velocity})
           *f = [of = *f, share = length / own.bar.length](double x) { return of(x * share); };
         longer.bar = whole_of(longer.chain);
+        keep_within(scene.bar.length, longer);
+        longer.velocity_places.breaks = moved(longer.velocity_places.breaks, begin, length, by);
       });
     } else if (member.section) {
       std::vector<SpaceFunction> rates(scene.chain.size());

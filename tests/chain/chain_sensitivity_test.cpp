@@ -301,6 +301,38 @@ TEST(ChainSensitivities, OfVelocitiesThatABondMakesOne) {
           key, value, {fmt::format("mesh.mass={}", mass)});
 }
 
+// Data by moments, or by values at nodes, are so in the scenes beside, too. The body ends the chain, and so does the
+// cube, which changes no derivative.
+TEST(ChainSensitivities, OfTheLengthOfABarBeforeABody) {
+  const std::string text =
+      "[[bar]]\nmass = 0.5\nvelocity = 0.4\n[[bar]]\nlength = 0.8\nviscosity = 0.1\nelements = 8\nvelocity = "
+      "\"-0.1-0.3*cos(3*x)\"\n[[bar]]\nmass = 0.4\n[[joint]]\nkind = \"spring\"\nstiffness = 2.0\n[[joint]]\n"
+      "kind = \"spring\"\nstiffness = 2.0\n[time]\nend = 1.0\n[output]\nevery = 0.125\n[method]\nname = \"rigid\"\n"
+      "relative_tolerance = 1e-11\nabsolute_tolerance = 1e-11\n";
+  for (const char* mass : {"lumped", "consistent", "fourth_order"})
+    for (const char* held :
+         {"side.stiffness=2-x^2{}", "side.drag=2-x^2{}", "load.density=2-x^2{}", "load.profile=2-x^2{}"}) {
+      const auto settings = [&](const char* more) {
+        Settings all{fmt::format("mesh.mass={}", mass), fmt::format(fmt::runtime(held), more)};
+        if (all[1].starts_with("load.profile")) all.emplace_back("load.history=1+t");
+        return all;
+      };
+      const char* kink_inside = "+1e-12*max(0,x-0.4)";
+      expect_derivatives(text, "bar.2.length", 0.8, settings(""));
+      expect_derivatives(text, "bar.2.length", 0.8, settings(kink_inside));
+      const auto derivatives = [&](const char* more) {
+        Settings all = settings(more);
+        all.push_back("sensitivity.of=[\"bar.2.length\"]");
+        return told_by(parse_scene(text, "", all).run, true).values;
+      };
+      const std::vector<double> inside = derivatives(kink_inside), at_end = derivatives("+max(0,x-0.8)^3");
+      ASSERT_EQ(inside.size(), at_end.size());
+      for (std::size_t k = 0; k < inside.size(); ++k)
+        ASSERT_TRUE(std::abs(at_end[k] - inside[k]) < 1e-8 || (std::isnan(at_end[k]) && std::isnan(inside[k])))
+            << mass << held << at_end[k] << " " << inside[k];  // NaN: the impulse of an end without an obstacle
+    }
+}
+
 // The end that stops at 0.1 leaves the other one with a pull, which opens at that time by it.
 TEST(ChainSensitivities, OfAContactThatAnotherOnesImpactTearsOff) {
   for (const char* key : {"left.gap", "parameters.c"})
