@@ -58,6 +58,29 @@ TEST(Ensemble, LanesAreTheSchemeToRounding) {
   std::printf("decided by rounding: %zu of %zu\n", decided_by_rounding, compared);
 }
 
+// `redistributed` takes the mass of a bare node alone, and of which it is bare may differ from bar to bar.
+TEST(Ensemble, NodesWithASpringKeepTheirMass) {
+  TextEnsemble made{
+      "[bar]\nlength=1.2\nviscosity=0.17\n[left]\nkind=\"obstacle\"\ngap=0.3\nside=\"above\"\ndashpot=0.15\n[right]\n"
+      "kind=\"obstacle\"\ngap=0.03\n[initial]\nvelocity=\"0.3*x-0.4\"\n[mesh]\nelements=12\nmass=\"redistributed\"\n"
+      "[time]\nend=2.2\n[method]\nname=\"fully_discrete\"\nstep=0.002\n",
+      {"bar.density"},
+      {{0.7, 1.0, 1.3}}};
+  for (const char* key : {"bar.density", "left.dashpot"}) {
+    made.keys[0] = key;
+    if (made.keys[0] == "left.dashpot") made.values[0] = {0.0, 0.1, 0.2};
+    EnsembleStudy study = made.study();
+    study.outputs = {"u_left@0.1", "u_right@0.1"};
+    const EnsembleResult lanes = ensemble(study);
+    EXPECT_EQ(lanes.ways[2], made.keys[0] == "bar.density" ? BarWay::lanes : BarWay::alone);
+    study.lanes = false;
+    const EnsembleResult alone = ensemble(study);
+    for (std::size_t o = 0; o < lanes.outputs.size(); ++o)
+      for (std::size_t k = 0; k < lanes.values[o].size(); ++k)
+        EXPECT_NEAR(lanes.values[o][k], alone.values[o][k], 1e-12) << key << " " << lanes.outputs[o].name << " " << k;
+  }
+}
+
 // On 4 elements a blow at one end moves the other by 1 % of what it moves its own.
 TEST(Ensemble, LanesStruckAtBothEndsAtTheStartAreTheScheme) {
   for (const char* mass : {"consistent", "fourth_order"}) {

@@ -93,6 +93,8 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
     if (input.motion) return std::nullopt;
     pattern.mounted[right] = input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0;
     input = {};
+    if (pattern.mounted[right])
+      input.dashpot = 1.0;  // its node keeps the mass that `redistributed` takes from a bare one
     const auto* obstacle = std::get_if<Obstacle>(&end_of(scene, right));
     if (!obstacle) continue;
     if (obstacle->side == Side::both) return std::nullopt;
@@ -117,16 +119,21 @@ Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
     : mass_(mass), end_(first.end), keys_(std::move(keys)), elements_(first.elements) {
   // A key that may change the pattern would let a bar's way depend on which is the first.
   Case of_keys = first;
+  const auto mounts = [](std::string_view key, bool right) {
+    const std::string_view end = right ? "right." : "left.";
+    if (!key.starts_with(end)) return false;
+    const std::string_view leaf = key.substr(end.size());
+    return leaf == "stiffness" || leaf == "dashpot" || leaf == "mass";
+  };
   for (const std::string& key : keys_)
-    if (key.starts_with("mesh.") ||
+    if (key.starts_with("mesh.") || (mass == Mass::redistributed && (mounts(key, false) || mounts(key, true))) ||
         (first.scene.section && !key.starts_with("initial.") && (key == "bar.length" || !number_of(of_keys, key))))
       return;
   pattern_ = pattern_of(first);
   // A spring, a dashpot or a mass may be 0 in the first bar.
   for (const std::string& key : keys_)
     for (const bool right : {false, true})
-      for (const char* leaf : {".stiffness", ".dashpot", ".mass"})
-        if (pattern_ && key == (right ? "right" : "left") + std::string(leaf)) pattern_->mounted[right] = true;
+      if (pattern_ && mounts(key, right)) pattern_->mounted[right] = true;
   if (!pattern_) return;
   auto member = of(first);
   if (!member) {
