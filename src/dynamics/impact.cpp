@@ -11,31 +11,46 @@ namespace viscobar {
 
 namespace {
 
-// Part of an impact: less of it is what the mass of a mesh passes on to the far end of a bar.
-constexpr double least_pull = 0.01;
+// Part of an impact, of its impulse or its velocity: less of it is what the mass of a mesh passes on to the far end of
+// a bar. The rounding is that of a solve.
+constexpr double least_pull = 0.01, rounding = 1e-9;
 
 // The impulse on the bar of closed contact i, which holds mass, for a change of the velocities by one of another.
 double held_impulse(const Contacts& contacts, std::size_t i, std::span<const double> change, std::size_t struck) {
   return joint_row(contacts, i).sign * held_inertia_times(contacts, i, change, struck);
 }
 
-// (rho M)^{-1} d_i, closed contacts elsewhere holding their nodes. Those that it would pull by more than a negligible
-// part of it are opened, and added.
+// (rho M)^{-1} d_i, closed contacts elsewhere holding their nodes.
+std::vector<double> response(PenalisedSystem& system, std::size_t i) {
+  const ContactNode& contact = system.contacts()[i];
+  std::vector<double> answer(system.size());
+  answer[contact.unknown] = contact.sign;
+  if (contact.joint > 0) answer[contact.unknown - 1] = -1.0;
+  system.accelerate(answer);
+  return answer;
+}
+
+double velocity_of(const ContactNode& contact, std::span<const double> answer) {
+  return contact.sign * contact.of(answer);
+}
+
+// The same, where those that it would pull by more than a negligible part of it are opened, and added. So are those
+// that would part by such a part of its velocity: a light node is held by little.
 std::vector<double> answer_of(PenalisedSystem& system, std::size_t i, double negligible,
                               std::vector<std::size_t>& released) {
   Contacts& contacts = system.contacts();
-  const std::size_t node = contacts[i].unknown;
-  std::vector<double> answer(system.size());
   for (;;) {
-    std::ranges::fill(answer, 0.0);
-    answer[node] = contacts[i].sign;
-    if (contacts[i].joint > 0) answer[node - 1] = -1.0;
-    system.accelerate(answer);
+    std::vector<double> answer = response(system, i);
     double most = negligible;
     std::optional<std::size_t> pulled;
     for (std::size_t k = 0; k < contacts.size(); ++k) {
       if (k == i || !contacts.holds_mass(k)) continue;
-      if (const double pull = -held_impulse(contacts, k, answer, i); pull > most) most = pull, pulled = k;
+      double pull = -held_impulse(contacts, k, answer, i);
+      if (pull <= rounding) continue;
+      contacts.set_closed(k, false);
+      pull *= std::max(1.0, velocity_of(contacts[k], response(system, k)) / velocity_of(contacts[i], answer));
+      contacts.set_closed(k, true);
+      if (pull > most) most = pull, pulled = k;
     }
     if (!pulled) return answer;
     contacts.set_closed(*pulled, false);

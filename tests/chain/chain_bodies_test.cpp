@@ -47,6 +47,25 @@ TEST(RigidBodies, BondedToABarStrikeAsAMassOfItsEnd) {
   EXPECT_GT(*body.events[1].impulse, 0.3 * 0.8);  // the mass alone
 }
 
+// A bar that touches a heavy body goes on with its speed where that is stopped, though its node is light beside the
+// body.
+TEST(RigidBodies, AreStoppedWithoutTheBarThatTouchesThem) {
+  for (const double mass : {1.0, 100.0})
+    for (const double e : {0.0, 0.5})
+      for (const char* tolerance : {"1e-3", "1e-9"}) {
+        const Recording found = run_of(fmt::format(
+            "[[bar]]\nmass = {}\nvelocity = 1.0\n[[bar]]\nlength = 1.0\nviscosity = 0.05\nvelocity = 1.0\n"
+            "elements = 40\n[[joint]]\nkind = \"contact\"\n[left]\nkind = \"obstacle\"\ngap = 0.3\nside = "
+            "\"above\"\n[right]\nkind = \"free\"\nforce = -0.1\n[time]\nend = 0.8\n[contact]\nrestitution = "
+            "{}\n[method]\nname = \"rigid\"\nrelative_tolerance = {}\n",
+            mass, e, tolerance));
+        EXPECT_NEAR(found.statistics.account->left.impulse, -mass * (1.0 + e), 1e-6 * mass) << e << tolerance;
+        ASSERT_GE(found.events.size(), 3U);
+        EXPECT_EQ(found.events[2].where, Where::joint);
+        EXPECT_NEAR(found.events[2].velocity, 1.0 + e, 1e-6) << mass << tolerance;
+      }
+}
+
 // A ram of mass 2 and speed 1 leaves the wall with speed e: impulse 2 (1 + e), energy lost 1 - e^2. A penalty of 1e-6
 // is passed in pi (2e-6)^(1/2) = 4.5e-3.
 TEST(RigidBodies, ARamLeavesAWallWithItsRestitution) {
