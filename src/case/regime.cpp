@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "case/massless.hpp"
 #include "case/method_table.hpp"
 #include "dynamics/jumps/jump_filter.hpp"
 #include "dynamics/natural_scales.hpp"
@@ -202,7 +203,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
 }
 
 std::string contact_law(const Setup& setup) {
-  if (setup.mass == Mass::redistributed) return "contact: nodes at an obstacle have no mass to be thrown back";
+  if (are_massless(setup.run.scene, setup.mass)) return "contact: nodes at an obstacle have no mass to be thrown back";
   const Case& run = setup.run;
   if (!run.restitution) return "contact: springs without dashpot throw nodes back, as restitution 1 does";
   return fmt::format("contact: nodes leave an obstacle with restitution {}", *run.restitution);

@@ -9,6 +9,7 @@
 #include "support/paper_throw.hpp"
 #include "support/verdict_truth.hpp"
 #include "viscobar/case/end_traces.hpp"
+#include "viscobar/input/scene_file.hpp"
 
 namespace viscobar {
 namespace {
@@ -259,6 +260,23 @@ TEST(Limit, OneEpsilonAloneHasNoVerdictAndTheStudyGoesOnByItself) {
   EXPECT_GT(result.rows.size(), 1u);
   scene.mass = Mass::redistributed;
   EXPECT_EQ(only(limit_of(study_of(scene, {1e-8}))).verdict, Verdict::converges);
+}
+
+// `redistributed` leaves a mass on an end its own, which an undamped penalty throws back and the scheme stops.
+TEST(Limit, AMassOnAnEndHasTwoLimitsThoughTheOtherContactNodeIsMassless) {
+  const Case scene =
+      parse_scene(
+          "[bar]\nlength = 1.0\nviscosity = 0.06\n[left]\nkind = \"obstacle\"\ngap = 0.2\nside = \"above\"\n"
+          "[right]\nkind = \"obstacle\"\ngap = 0.06\nmass = 0.4\nstiffness = 7.0\n[initial]\nvelocity = -1.2\n"
+          "[time]\nend = 2.0\n[mesh]\nelements = 4\nmass = \"redistributed\"\n[method]\nname = \"arkode\"\n",
+          "")
+          .run;
+  const LimitResult result = limit_of(study_of(scene, decades(1e-2, 1e-8)));
+  EXPECT_EQ(only(result).verdict, Verdict::plateau);
+  ASSERT_TRUE(only(result).evidence.apart);
+  EXPECT_NEAR(result.rows.back().difference_to_scheme, *only(result).evidence.apart,
+              0.02 * *only(result).evidence.apart);
+  EXPECT_LT(*result.rows.back().difference_to_own_limit, 0.02 * *only(result).evidence.apart);
 }
 
 TEST(Limit, TheLimitsOfThePapersPairAreApartByWhatTwoRunsOfRigidAre) {

@@ -125,6 +125,24 @@ TEST(Precision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
 }
 
 // Two ways to one semi-discrete solution: epsilon to 0 by matrix exponentials, dt to 0 by the scheme.
+// `redistributed` leaves a mass on an end its own; its rebound counts as space.
+TEST(Precision, PenaltyUnderAMassOnAnEndIsMeasuredAgainstASmallerEpsilonToo) {
+  PrecisionStudy study;
+  study.scene =
+      parse_scene(
+          "[bar]\nlength = 1.0\nviscosity = 0.06\n[left]\nkind = \"obstacle\"\ngap = 0.2\nside = \"above\"\n"
+          "[right]\nkind = \"obstacle\"\ngap = 0.06\nmass = 0.4\nstiffness = 7.0\n[initial]\nvelocity = -1.2\n"
+          "[time]\nend = 2.0\n[mesh]\nelements = 4\nmass = \"redistributed\"\n[contact]\nepsilon = 1e-6\n",
+          "")
+          .run;
+  study.methods = {MethodName::arkode};
+  study.tolerances = {1e-7};
+  study.seconds = 60.0;
+  const ErrorParts parts = parts_of(precision_of(study), MethodName::arkode, 4);
+  ASSERT_TRUE(parts.penalty && parts.space);
+  EXPECT_LT(*parts.penalty, 0.05 * *parts.space);
+}
+
 TEST(Precision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
   PrecisionStudy study = two_ends();
   study.elements = {16};

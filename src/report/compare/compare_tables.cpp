@@ -206,10 +206,10 @@ std::vector<std::string> remarks(const MethodChoice& choice, const Comparison& c
   const bool exact = std::ranges::any_of(check.runs, [](const MethodRun& run) {
     const auto& [label, built_in, setup, recording, contacts, error, index] = run;
     return built_in && (is_scheme(setup.run.method) ||
-                        (setup.run.method == MethodName::rigid && setup.mass != Mass::redistributed));
+                        (setup.run.method == MethodName::rigid && !are_massless(setup.run.scene, setup.mass)));
   });
   const Case& first = check.runs.front().setup.run;
-  if (penalty && exact && !first.restitution && first.mass != Mass::redistributed)
+  if (penalty && exact && !first.restitution && !are_massless(first.scene, resolve(first).mass))
     found.push_back(
         std::string("Contact nodes with mass rebound from an undamped penalty and do not from an exact constraint; "
                     "contact.restitution gives both the same law") +

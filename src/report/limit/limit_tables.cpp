@@ -33,7 +33,7 @@ std::size_t finest(const LimitResult& result) {
 }
 
 LimitTheory theory(const LimitStudy& study) {
-  if (common_mass(study.scene) == Mass::redistributed) return {1.0, 1.0};
+  if (are_massless(study.scene.scene, common_mass(study.scene))) return {1.0, 1.0};
   const bool common = study.scene.restitution.has_value();
   if (!study.scene.scene.span) return {0.5, common ? std::optional(0.5) : std::nullopt};
   // Contacts of neighbours are one impact each only where the mass does not couple them.
@@ -114,7 +114,7 @@ std::string undecided_reason(const LimitStudy& study, const LimitOrders& orders,
 }
 
 std::string remedy_of_plateau(const LimitStudy& study) {
-  if (common_mass(study.scene) == Mass::redistributed) return "";
+  if (are_massless(study.scene.scene, common_mass(study.scene))) return "";
   if (!study.scene.restitution)
     return std::string(
                ". A contact node with mass rebounds from an undamped penalty and not from the scheme's constraint: "

@@ -190,7 +190,7 @@ std::vector<std::string> remarks(const PrecisionStudy& study, const PrecisionRes
   const Case& scene = study.scene;
   const bool touched =
       std::ranges::any_of(result.parts, [](const ErrorParts& parts) { return parts.penalty.value_or(0.0) > 0.0; });
-  if (touched && !scene.restitution && common_mass(scene) != Mass::redistributed)
+  if (touched && !scene.restitution && !are_massless(scene.scene, common_mass(scene)))
     found.emplace_back(
         scene.scene.span
             ? "Where an undamped penalty rebounds from a span obstacle and the scheme does not, these are two "

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "case/massless.hpp"
 #include "studies/limit/mesh_runs.hpp"
 #include "studies/parallel.hpp"
 
@@ -47,7 +48,7 @@ CouplingResult balance_errors(const LimitStudy& asked, const LimitResult& result
   std::vector<std::size_t> by_mesh(result.orders.size());
   std::iota(by_mesh.begin(), by_mesh.end(), std::size_t{0});
   std::ranges::sort(by_mesh, {}, [&](std::size_t i) { return result.orders[i].elements; });
-  const bool rigid = common_mass(study.scene) == Mass::redistributed;
+  const bool rigid = are_massless(study.scene.scene, common_mass(study.scene));
   for (const LimitOrders& orders : result.orders)
     if (!rigid && orders.verdict == Verdict::plateau)
       return no(fmt::format("on {} elements the difference has a plateau, so no epsilon balances it", orders.elements));

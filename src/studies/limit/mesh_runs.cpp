@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "case/massless.hpp"
 #include "case/method_table.hpp"
 #include "run/stopwatch.hpp"
 #include "studies/accuracy/sample.hpp"
@@ -138,7 +139,7 @@ Case scheme_case(const LimitStudy& study, std::size_t elements, double step) {
 MeshRuns runs_of(const LimitStudy& study, std::size_t elements, double step, Purse& purse) {
   MeshRuns mesh;
   const Case first = penalised_case(study, elements, study.epsilons.front());
-  const bool massless = first.mass == Mass::redistributed;
+  const bool massless = are_massless(first.scene, resolve(first).mass);
   mesh.one_limit = massless || study.scene.restitution.has_value();
   mesh.of_scheme = limit_of(first, study.scene.restitution);
   // An undamped spring throws a node back with the speed of its arrival.

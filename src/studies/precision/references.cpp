@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "case/massless.hpp"
 #include "studies/parallel.hpp"
 #include "viscobar/studies/orders/observed_order.hpp"
 
@@ -29,8 +30,8 @@ System softer(System system) {
   return system;
 }
 
-System limit_of(const System& system) {
-  if (system.mass == Mass::redistributed) return {system.elements, system.mass, System::Law::rigid, 0.0};
+System limit_of(const System& system, const Scene& scene) {
+  if (are_massless(scene, system.mass)) return {system.elements, system.mass, System::Law::rigid, 0.0};
   return stiffer(stiffer(system));
 }
 
@@ -50,7 +51,7 @@ double finer_than(const Timed& timed, double seconds) {
 }
 
 /// The problems of the rows, each to be solved finer than the finest row of it.
-std::map<System, Fineness> problems_of(std::span<const Timed> rows, double seconds) {
+std::map<System, Fineness> problems_of(std::span<const Timed> rows, double seconds, const Scene& scene) {
   using Finest = std::pair<double, double>;          // setting of a row, and that of its reference
   std::map<std::pair<System, bool>, Finest> finest;  // the latter: of schemes
   std::map<System, Fineness> problems;
@@ -69,7 +70,7 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
     if (penalised(system)) {
       problems.try_emplace(softer(system), fineness);
       problems.try_emplace(stiffer(system), fineness);
-      problems.try_emplace(limit_of(system), fineness);
+      problems.try_emplace(limit_of(system, scene), fineness);
     }
   return problems;
 }
@@ -79,7 +80,7 @@ std::map<System, Fineness> problems_of(std::span<const Timed> rows, double secon
 References::References(const PrecisionStudy& study, const Case& scene, std::span<const Mesh> meshes,
                        std::span<const Timed> rows) {
   const RunLimits limits{study.stop, longer * study.seconds};
-  const auto problems = problems_of(rows, limits.seconds);
+  const auto problems = problems_of(rows, limits.seconds, scene.scene);
   const std::vector<std::pair<System, Fineness>> jobs(problems.begin(), problems.end());
   std::vector<SemiDiscrete> found(jobs.size());
   parallel_for(
@@ -135,15 +136,15 @@ ErrorParts References::parts(const Timed& timed) const {
   };
   if (!penalised(own)) {
     measure_space(*field(own));
-  } else if (const auto limit = penalty_limit(own, parts)) {
+  } else if (const auto limit = penalty_limit(own, timed.run.scene, parts)) {
     measure_space(*limit);
     parts.penalty = largest_difference(*field(own), *limit);
   }
   return parts;
 }
 
-std::optional<Field> References::penalty_limit(const System& own, ErrorParts& parts) const {
-  const System end = limit_of(own);
+std::optional<Field> References::penalty_limit(const System& own, const Scene& scene, ErrorParts& parts) const {
+  const System end = limit_of(own, scene);
   const Field *soft = field(softer(own)), *here = field(own), *next = field(stiffer(own)), *last = field(end);
   if (!last && !next) {
     parts.problem = "what the penalty tends to was not found: " + solved_.at(end).problem;

@@ -45,7 +45,7 @@ class References {
  private:
   const Field* field(const System& system) const;
   /// The solution that the penalised one tends to; tells the parts how that was found, and at which power of epsilon.
-  std::optional<Field> penalty_limit(const System& own, ErrorParts& parts) const;
+  std::optional<Field> penalty_limit(const System& own, const Scene& scene, ErrorParts& parts) const;
 
   std::map<System, SemiDiscrete> solved_;
   Continuous continuous_;
