@@ -18,7 +18,7 @@ struct TooLong : std::runtime_error {
   explicit TooLong(const std::string& what = "takes too long") : std::runtime_error(what) {}
 };
 
-/// Bounds of a run of a study, looked at after each step.
+/// Bounds of a run of a study, looked at between steps.
 struct RunLimits {
   std::function<bool()> stop;                                ///< true: the study is to end; may be empty
   double seconds = std::numeric_limits<double>::infinity();  ///< of processor time, which other work leaves alone

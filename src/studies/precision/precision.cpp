@@ -67,6 +67,7 @@ void measure_errors(const PrecisionStudy& study, Timed& timed, const References&
   if (semi_discrete) row.time_error = 0.0;
   std::size_t k = 0;
   Observers observers;
+  observers.off_the_clock = false;
   observers.snapshot = [&](const Snapshot& now) {
     if (k > 0 && exact) row.error = std::max(*row.error, largest_difference(now.u, exact->at(k)));
     if (k > 0 && semi_discrete)

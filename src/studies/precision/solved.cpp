@@ -29,6 +29,7 @@ std::vector<Field> fields_of(const Case& run, std::span<const Mesh> meshes, cons
   std::vector<std::vector<Piece>> pieces;
   for (const Mesh& mesh : meshes) pieces.push_back(pieces_of(run.scene, mesh));
   Observers observers;
+  observers.off_the_clock = false;
   observers.snapshot = [&](const Snapshot& now) {
     for (std::size_t m = 0; m < fields.size(); ++m) {
       std::vector<double>& u = fields[m].u;
