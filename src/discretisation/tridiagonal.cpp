@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "discretisation/dense.hpp"
 #include "discretisation/lanes.hpp"
 #include "discretisation/not_positive.hpp"
 
@@ -272,55 +271,41 @@ void TridiagonalFactorOf<Real>::solve(std::span<Real> x) const {
   sweep_back(upper(), inverse_pivot_.data(), x.data(), n - 1, 0);
 }
 
+// Z = A^{-1} = U^{-1} D^{-1} L^{-1}, so Z = D^{-1} L^{-1} + (1 - U) Z and Z = U^{-1} D^{-1} + Z (1 - L): row by row
+// from the last one these have the entries that are at most two beside the diagonal by those behind them.
+template <class Real>
+std::vector<Real> TridiagonalFactorOf<Real>::inverse_diagonal() const {
+  assert(!meet_);
+  const std::size_t n = size();
+  std::vector<Real> result(n);
+  const auto along = [n](std::vector<Real> entries) {
+    entries.resize(n + 1, Real(0));
+    return entries;
+  };
+  std::vector<Real> lower = along(lower_), upper = along(upper_.empty() ? lower_ : upper_);
+  std::vector<Real> lower_beyond(n + 1, Real(0)), upper_beyond = lower_beyond;  // L(i+2,i), U(i,i+2)
+  for (const Patch& patch : patches_) {
+    const std::size_t r = patch.row;
+    if (patch.leftwards)
+      upper[r - 1] = patch.upper_before, lower_beyond[r - 2] = patch.lower_beyond;
+    else
+      upper[r] = patch.upper_here, upper_beyond[r] = patch.upper_beyond, upper[r + 1] = patch.upper_next;
+  }
+  Real next = 0, after = 0, above = 0, below = 0;  // Z(i+1,i+1), Z(i+2,i+2), Z(i+1,i+2), Z(i+2,i+1)
+  for (std::size_t i = n; i-- > 0;) {
+    const Real u = upper[i], u2 = upper_beyond[i], l = lower[i], l2 = lower_beyond[i];
+    const Real right = -u * next - u2 * below, down = -next * l - above * l2, far_down = -below * l - after * l2;
+    result[i] = inverse_pivot_[i] - u * down - u2 * far_down;
+    after = next, next = result[i], above = right, below = down;
+  }
+  return result;
+}
+
 template class TridiagonalFactorOf<double>;
 template class TridiagonalFactorOf<long double>;
 
-namespace {
-
-// (T + sum over r of e_r f_r^T)^{-1} = T^{-1} - T^{-1} E S^{-1} F^T T^{-1},  S = I + F^T T^{-1} E
-void add_one_sided(const BandedMatrix& matrix, std::vector<double>& inverse_diagonal) {
-  const std::size_t n = matrix.size(), count = matrix.one_sided.size();
-  BandedMatrix inner = matrix;
-  inner.one_sided.clear();
-  const TridiagonalFactor factor(inner);
-  for (double& entry : inner.skew) entry = -entry;
-  const TridiagonalFactor transposed(inner);
-  std::vector<std::vector<double>> columns(count, std::vector<double>(n)), rows = columns;
-  for (std::size_t r = 0; r < count; ++r) {
-    const OneSidedRow& one = matrix.one_sided[r];
-    columns[r][one.row] = 1.0;
-    for (std::size_t k = 0; k < 3; ++k) rows[r][one.column(k)] = one.entries[k];
-    factor.solve(columns[r]);
-    transposed.solve(rows[r]);
-  }
-  const auto s = [&](std::size_t r, std::size_t c) {
-    const double of_column = matrix.one_sided[r].times(columns[c]);
-    return r == c ? 1.0 + of_column : of_column;
-  };
-  if (count == 2) {
-    const double s00 = s(0, 0), s01 = s(0, 1), s10 = s(1, 0), s11 = s(1, 1);
-    const double determinant = s00 * s11 - s01 * s10;
-    for (std::size_t i = 0; i < n; ++i)
-      inverse_diagonal[i] -= (columns[0][i] * (s11 * rows[0][i] - s01 * rows[1][i]) +
-                              columns[1][i] * (s00 * rows[1][i] - s10 * rows[0][i])) /
-                             determinant;
-    return;
-  }
-  const auto size = static_cast<Eigen::Index>(count);
-  Eigen::MatrixXd small(size, size);
-  for (std::size_t r = 0; r < count; ++r)
-    for (std::size_t c = 0; c < count; ++c) small(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = s(r, c);
-  const Eigen::MatrixXd inverted = inverse(small);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t c = 0; c < count; ++c)
-      for (std::size_t r = 0; r < count; ++r)
-        inverse_diagonal[i] -=
-            columns[c][i] * inverted(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r)) * rows[r][i];
-}
-
-}  // namespace
-
 std::vector<double> inverse_diagonal(const BandedMatrix& matrix) {
+  if (!matrix.one_sided.empty()) return TridiagonalFactor(matrix).inverse_diagonal();
   const std::size_t n = matrix.size();
   std::vector<double> forward(matrix.diagonal), backward(matrix.diagonal), result(n);
   if (!matrix.off_diagonal.empty()) {
@@ -328,7 +313,6 @@ std::vector<double> inverse_diagonal(const BandedMatrix& matrix) {
     for (std::size_t i = n - 1; i-- > 0;) backward[i] -= matrix.above(i) * matrix.below(i) / backward[i + 1];
   }
   for (std::size_t i = 0; i < n; ++i) result[i] = 1.0 / (forward[i] + backward[i] - matrix.diagonal[i]);
-  if (!matrix.one_sided.empty()) add_one_sided(matrix, result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -128,6 +129,29 @@ TEST(InverseDiagonal, HoldsTheDiagonalEntriesOfTheColumnsOfTheInverse) {
       EXPECT_NEAR(diagonal[i], column[i], 10 * condition * eps * column[i]);
     }
   }
+}
+
+TEST(InverseDiagonal, OfOneSidedRowsAtEndsAndJointsIsThatOfTheColumns) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-0.2, 0.2);
+  for (std::size_t n = 6; n < 40; ++n)
+    for (const bool skew : {false, true}) {
+      BandedMatrix matrix = random_matrix(n, 1.0, random);
+      const auto entries = [&] { return std::array{uniform(random), uniform(random), uniform(random)}; };
+      matrix.one_sided.push_back({0, false, entries()});
+      for (std::size_t joint = 3; joint + 3 < n; joint += 3 + joint % 2)
+        matrix.one_sided.push_back({joint, true, entries()}), matrix.one_sided.push_back({joint, false, entries()});
+      matrix.one_sided.push_back({n - 1, true, entries()});
+      for (std::size_t i = 0; skew && i + 1 < n; ++i) matrix.skew.push_back(uniform(random));
+      const TridiagonalFactor factor(matrix);
+      const auto diagonal = inverse_diagonal(matrix);
+      for (std::size_t i = 0; i < n; ++i) {
+        std::vector<double> column(n, 0.0);
+        column[i] = 1.0;
+        factor.solve(column);
+        EXPECT_NEAR(diagonal[i], column[i], 1000 * eps) << n << " " << i;
+      }
+    }
 }
 
 }  // namespace

@@ -147,6 +147,9 @@ class TridiagonalFactorOf {
 
   std::size_t size() const { return inverse_pivot_.size(); }  ///< n
 
+  /// Diagonal of A^{-1}, where A has one-sided rows; O(n).
+  std::vector<Real> inverse_diagonal() const;
+
  private:
   // Where L and U are no transposes of each other, at a row r that goes to one side.
   struct Patch {
@@ -172,8 +175,8 @@ extern template class TridiagonalFactorOf<long double>;
 /// The factor in double numbers.
 using TridiagonalFactor = TridiagonalFactorOf<double>;
 
-/// Diagonal of A^{-1}: from the pivots of the eliminations that start at either end, and for what m one-sided rows add
-/// to that by Woodbury's formula, in O(n m^2).
+/// Diagonal of A^{-1}, in O(n): from the pivots of the eliminations that start at either end, or with one-sided rows
+/// from L, D and U.
 std::vector<double> inverse_diagonal(const BandedMatrix& matrix);
 
 }  // namespace viscobar
