@@ -39,7 +39,7 @@ std::vector<std::size_t> meshes_named(const std::string& text) {
 int study_limit(const LimitOptions& asked) {
   LimitStudy study = asked.study;
   study.elements = meshes_named(asked.elements);
-  std::optional<double> tolerance;
+  std::optional<double> relative, absolute;
   if (const auto before = limit_asked(asked.scene.text())) {
     const auto open = [&](const char* key) {
       return std::ranges::none_of(asked.scene.overrides, [&](const auto& set) { return set.starts_with(key); });
@@ -49,7 +49,8 @@ int study_limit(const LimitOptions& asked) {
     if (same_meshes) study.elements = before->elements;
     if (same_meshes && study.steps.empty() && open("method.step")) study.steps = before->steps;
     if (asked.budget->empty()) study.budget = before->budget;
-    if (open("method.relative_tolerance")) tolerance = before->scene.tolerance.relative;
+    if (open("method.relative_tolerance")) relative = before->scene.tolerance.relative;
+    if (open("method.absolute_tolerance")) absolute = before->scene.tolerance.absolute;
   }
   if (!asked.epsilon.empty()) study.epsilons = epsilons(asked.epsilon, asked.per_decade);
   std::vector<Setting> settings = finest_mesh(study.elements);
@@ -59,7 +60,8 @@ int study_limit(const LimitOptions& asked) {
   SceneFile scene = asked.scene.read(settings, [&](Case& run) {
     if (study.epsilons.empty()) study.epsilons = natural_penalties(run.scene, asked.per_decade);
     run.epsilon = study.epsilons.front();
-    if (tolerance) run.tolerance = run.tolerance.with_relative(*tolerance);
+    if (relative) run.tolerance.relative = *relative;
+    if (absolute) run.tolerance.absolute = absolute;
     run.method = penalised_method(run);
   });
   study.scene = scene.run;

@@ -196,6 +196,7 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
     if (of_mesh.scheme.size() >= asked_steps) asked["scheme_steps"].push_back(of_mesh.scheme[asked_steps - 1].step);
   if (asked["scheme_steps"].size() != result.orders.size()) asked["scheme_steps"] = Json::array();
   asked["relative_tolerance"] = study.scene.tolerance.relative;
+  if (study.scene.tolerance.absolute) asked["absolute_tolerance"] = *study.scene.tolerance.absolute;
   asked["budget"] = study.budget;
   tell(json, scene);
   // Settings that ran, not those asked for: the scene of limit.json, as it stands, is that of the finest mesh.
@@ -208,6 +209,8 @@ std::string json_text_of(const SceneFile& scene, const LimitStudy& study, const 
     if (const std::size_t own = (*mesh.members)[m].elements; own > 0) ran["bar"][m]["elements"] = own;
   ran["mesh"]["mass"] = name(resolve(study.scene).mass);
   ran["method"]["relative_tolerance"] = orders.tolerance;
+  if (const auto absolute = study.scene.tolerance.with_relative(orders.tolerance).absolute)
+    ran["method"]["absolute_tolerance"] = *absolute;
   if (orders.scheme_step > 0.0) ran["method"]["step"] = orders.scheme_step;
   if (json["chosen"].contains("mesh") && json["chosen"]["mesh"].contains("elements"))
     json["chosen"]["mesh"]["elements"] = orders.elements;
@@ -277,6 +280,7 @@ std::optional<LimitStudy> limit_asked(const std::string& json) try {
   asked.at("elements").get_to(study.elements);
   asked.at("scheme_steps").get_to(study.steps);
   asked.at("relative_tolerance").get_to(study.scene.tolerance.relative);
+  if (asked.contains("absolute_tolerance")) study.scene.tolerance.absolute = asked["absolute_tolerance"].get<double>();
   asked.at("budget").get_to(study.budget);
   return study;
 } catch (const Json::exception&) {
