@@ -56,7 +56,8 @@ class Run : public Kept {
   void save(const std::string& directory, const std::string& summary) const;
   /// The columns of joints.csv but for the time, with their names.
   py::dict joints() const;
-  py::dict gauges() const;  ///< the columns of gauges.csv but for the time
+  py::dict gauges() const;             ///< the columns of gauges.csv but for the time
+  py::array_t<double> stress() const;  ///< as field.h5 has it
   /// The columns of energy.csv but for the time.
   std::array<std::vector<double>, 6> energies() const;
 

@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include "characteristics/function_of_time.hpp"
-#include "dynamics/pieces.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_values.hpp"
 #include "kept.hpp"
@@ -332,16 +331,7 @@ void bind_runs(py::module_& m) {
       .def_property_readonly("warnings", [](const Run& self) { return self.outcome().warnings; })
       .def_property_readonly("reached_time", [](const Run& self) { return self.outcome().reached_time; })
       .def_property_readonly("method", [](const Run& self) { return std::string(name(self.scene().scene.run.method)); })
-      .def_property_readonly("material",
-                             [](const Run& self) -> py::tuple {
-                               const Scene& scene = self.scene().scene.run.scene;
-                               std::vector<double> moduli, viscosities;
-                               for (const Bar& bar : element_bars(scene, self.recording.mesh))
-                                 moduli.push_back(bar.modulus), viscosities.push_back(bar.viscosity);
-                               if (moduli.empty()) return py::make_tuple(scene.bar.modulus, scene.bar.viscosity);
-                               return py::make_tuple(py::array_t<double>(py::cast(moduli)),
-                                                     py::array_t<double>(py::cast(viscosities)));
-                             })
+      .def_property_readonly("stress", &Run::stress)
       .def("summary", &Run::summary)
       .def("page", &Run::page)
       .def("save", &Run::save)

@@ -1,6 +1,8 @@
 // viscobar._core: results on the disk, and the tables of a run that are not kept but made.
 #include <algorithm>
 
+#include "dynamics/gauge.hpp"
+#include "dynamics/pieces.hpp"
 #include "input/input_text.hpp"
 #include "kept.hpp"
 #include "report/page.hpp"
@@ -120,6 +122,19 @@ py::dict Run::gauges() const {
     }
   py::dict all;
   for (std::size_t i = 0; i < names.size(); ++i) all[py::str(names[i])] = columns[i];
+  return all;
+}
+
+py::array_t<double> Run::stress() const {
+  const Scene& scene = case_.scene.run.scene;
+  const Mesh& mesh = recording.mesh;
+  const std::vector<Bar> bars = element_bars(scene, mesh);
+  py::array_t<double> all({rows(), mesh.elements});
+  double* next = all.mutable_data();
+  for (std::size_t k = 0; k < rows(); ++k)
+    for (std::size_t j = 0; j < mesh.elements; ++j)
+      *next++ =
+          element_stress(bars.empty() ? scene.bar : bars[j], mesh, recording.displacement(k), recording.velocity(k), j);
   return all;
 }
 

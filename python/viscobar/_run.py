@@ -187,14 +187,7 @@ class Result(Recorded):
     @cached_property
     def stress(self) -> np.ndarray:
         """E u_x + eta u_xt, the mean of each element, (K, J)."""
-        if isinstance(self._core, Stored):
-            return fixed(self._core.stress)
-        modulus, viscosity = self._core.material
-        size = np.diff(self.x)  # 0 at a joint of bars in line, where there is no stress
-        stress = modulus * np.diff(self.u)
-        if np.any(np.greater(viscosity, 0.0)):
-            stress += viscosity * np.diff(self.v)
-        return fixed(np.divide(stress, size, out=np.zeros_like(stress), where=size > 0.0))
+        return fixed(self._core.stress)
 
     @cached_property
     def gauges(self) -> dict[str, np.ndarray]:

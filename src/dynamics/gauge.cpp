@@ -77,4 +77,10 @@ std::vector<std::string> gauge_columns(std::span<const double> places) {
   return columns;
 }
 
+double element_stress(const Bar& bar, const Mesh& mesh, std::span<const double> u, std::span<const double> v,
+                      std::size_t j) {
+  const double size = mesh.element(j);
+  return size > 0.0 ? (bar.modulus * (u[j + 1] - u[j]) + bar.viscosity * (v[j + 1] - v[j])) / size : 0.0;
+}
+
 }  // namespace viscobar

@@ -21,11 +21,8 @@ def asked():
 
 class KeptTest(Test):
     def same_field(self, one, other):
-        for name in ("t", "x", "u", "v"):
+        for name in ("t", "x", "u", "v", "stress"):
             self.assertTrue(np.array_equal(getattr(one, name), getattr(other, name)), name)
-        # The sum of two differences divided by h, in another order: some four roundings of each.
-        size = sum(np.abs(part).max() for part in (one.u, one.v)) / np.diff(one.x)[np.diff(one.x) > 0.0].min()
-        self.assertLess(np.abs(one.stress - other.stress).max(), 8 * np.finfo(float).eps * size)
 
     def check(self, one, other):
         self.same_field(one, other)
