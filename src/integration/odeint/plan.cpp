@@ -31,9 +31,10 @@ constexpr double real_stability = 3.3;
 constexpr double imaginary_stability = 0.95, damped = 0.01;
 
 struct Spectrum {
-  double frequency;  // of undamped motion, all contacts closed
-  double open;       // the same, all open, as near as known: end rows couple less than the consistent mass
-  double decay;      // of what only dies out
+  double frequency;   // of undamped motion, all contacts closed
+  double open;        // the same, all open, as near as known: end rows couple less than the consistent mass
+  double decay;       // of what only dies out
+  double decay_open;  // the same, all contacts open
 };
 
 // Bounds: the largest eigenvalue of K against M element by element, plus what a contact adds to its node.
@@ -48,7 +49,7 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
     decay += system.side()->largest_drag() / bar.density;
   }
   const std::vector<double> masses = system.inertia().effective_masses();
-  double contact_square = 0.0, contact_decay = 0.0, support_square = 0.0;
+  double contact_square = 0.0, contact_decay = 0.0, support_square = 0.0, support_decay = 0.0;
   for (const Contact& contact : system.contacts()) {
     const auto& stop = system.stop(contact);
     const PenaltyLaw law = stop ? (stop->linear() ? PenaltyLaw{stop->stiffness, stop->damping} : PenaltyLaw{})
@@ -67,12 +68,12 @@ Spectrum spectrum(const BarSystem& system, const Penalty& penalty) {
   }
   for (const Support& support : system.supports()) {
     support_square = std::max(support_square, support.stiffness / masses[support.unknown]);
-    contact_decay = std::max(contact_decay, support.dashpot / masses[support.unknown]);
+    support_decay = std::max(support_decay, support.dashpot / masses[support.unknown]);
   }
   if (system.inertia().has_massless() && bar.viscosity > 0.0) decay = std::max(decay, bar.modulus / bar.viscosity);
   const double open = system.inertia().matrix().one_sided.empty() ? square : square * (8.0 / 12.0);
   return {std::sqrt(square + std::max(contact_square, support_square)), std::sqrt(open + support_square),
-          decay + contact_decay};
+          decay + std::max(contact_decay, support_decay), decay + support_decay};
 }
 
 }  // namespace
@@ -98,9 +99,9 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     // At its bound of stability dopri5 leaves a node without mass a velocity that no tolerance bounds.
     const double transits = duration / (system.bar().length * system.bar().slowness());
     const double worth = implicit_worth * transits * std::pow(1e-6 / method.tolerance.relative, 0.25);
-    // A damped bar may come to rest in contact, where dopri5 still steps by the contact's own oscillation.
+    // What a contact asks for counts while it is closed alone. A damped bar may come to rest in it.
     const bool rests = system.bar().damped() && duration * bound.frequency > 100.0 * worth;
-    const bool stiff = system.inertia().has_massless() || explicit_steps > worth || rests;
+    const bool stiff = system.inertia().has_massless() || duration * bound.decay_open / real_stability > worth || rests;
     plan.stepper = stiff ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
   if (plan.refusal) return plan;
