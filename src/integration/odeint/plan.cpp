@@ -99,7 +99,7 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     // At its bound of stability dopri5 leaves a node without mass a velocity that no tolerance bounds.
     const double transits = duration / (system.bar().length * system.bar().slowness());
     const double worth = implicit_worth * transits * std::pow(1e-6 / method.tolerance.relative, 0.25);
-    // What a contact asks for counts while it is closed alone. A damped bar may come to rest in it.
+    // A contact asks for short steps while it is closed alone. A damped bar may come to rest in it.
     const bool rests = system.bar().damped() && duration * bound.frequency > 100.0 * worth;
     const bool stiff = system.inertia().has_massless() || duration * bound.decay_open / real_stability > worth || rests;
     plan.stepper = stiff ? Stepper::rosenbrock4 : Stepper::dopri5;
