@@ -124,7 +124,6 @@ TEST(Precision, PenaltyOnNodesWithMassIsMeasuredAgainstASmallerEpsilon) {
   EXPECT_NEAR(*parts.penalty_order, 1.0, 0.03);
 }
 
-// Two ways to one semi-discrete solution: epsilon to 0 by matrix exponentials, dt to 0 by the scheme.
 // `redistributed` leaves a mass on an end its own; its rebound counts as space.
 TEST(Precision, PenaltyUnderAMassOnAnEndIsMeasuredAgainstASmallerEpsilonToo) {
   PrecisionStudy study;
@@ -143,6 +142,7 @@ TEST(Precision, PenaltyUnderAMassOnAnEndIsMeasuredAgainstASmallerEpsilonToo) {
   EXPECT_LT(*parts.penalty, 0.05 * *parts.space);
 }
 
+// Two ways to one semi-discrete solution: epsilon to 0 by matrix exponentials, dt to 0 by the scheme.
 TEST(Precision, PenaltyAndSchemeOfOneLawOfImpactLeaveTheSameSpace) {
   PrecisionStudy study = two_ends();
   study.elements = {16};
