@@ -108,8 +108,8 @@ enum class Stepper {
 };
 std::string_view name(Stepper stepper);  ///< in a scene file
 
-/// Boost.Odeint's formulas on u' = w, rho M w' = F: shares no formula and no solver with the SUNDIALS
-/// methods. Refuses massless nodes without viscosity, whose rows are algebraic.
+/// Boost.Odeint's formulas on u' = w, rho M w' = F. No formula is one of the SUNDIALS methods; forces and tridiagonal
+/// factors are the same. Refuses massless nodes without viscosity, whose rows are algebraic.
 struct Odeint {
   Penalty penalty;                       ///< of the contacts
   Tolerance tolerance;                   ///< of the solution

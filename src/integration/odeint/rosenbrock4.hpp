@@ -4,26 +4,26 @@
 #include <array>
 #include <boost/numeric/odeint/stepper/rosenbrock4.hpp>
 #include <span>
-#include <stdexcept>
 #include <vector>
 
-#include "dynamics/lost_inertia.hpp"
 #include "integration/odeint/explicit_formulas.hpp"
-#include "run/step_failure.hpp"
+#include "integration/step_matrix.hpp"
 
 namespace viscobar {
 
-/// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3, by Odeint's coefficients. With
-/// f(t, y) the rate of y = (u, w), J and f_t its derivatives, and g = gamma h,
+/// Linearly implicit formulas of order 4, L-stable, with an error estimate of order 3, by Odeint's coefficients. f(t,
+/// y) is the rate of y = (u, w), J and f_t are its derivatives, and g = gamma h:
 ///
 ///     (1 - g J) k_i = g (f(t_i, y + sum_{j<i} a_ij k_j) + sum_{j<i} c_ij k_j / h + theta_i h f_t),    i = 1, ..., 6,
 ///     y_1 = y + sum_{j<6} a_6j k_j + k_6,    error = k_6.
 ///
-/// Time is one more unknown, of rate 1: its increment in stage i is theta_i h, by the same formulas. (With Odeint's own
-/// coefficients of h f_t they are of order 2 only.) F being linear in u and w as long as no contact changes, a stage is
-/// one tridiagonal solve for its w, k_w, from its u, k_u = g (r + k_w),
+/// Time is one more unknown, of rate 1. Its increment in stage i is theta_i h, by the same formulas. With Odeint's own
+/// coefficients of h f_t the order is 2 only.
 ///
-///     (rho M + g eta C + g^2 E K) k_w = g (F(t_i, u_i + g r, w_i) + rho M sum c_ij k_w,j / h + theta_i h F_t),
+/// F is linear in u and w as long as no contact changes. So the row of u goes into that of w, and a stage is one
+/// tridiagonal solve with the matrix D(1, g, g^2) of PenalisedSystem::dynamic_stiffness():
+///
+///     D(1, g, g^2) k_w = g (F(t_i, u_i + g r, w_i) + rho M sum c_ij k_w,j / h + theta_i h F_t),    k_u = g (r + k_w),
 ///     r = w_i + sum c_ij k_u,j / h.
 ///
 /// The row of a massless node holds with the velocity that follows from it in place of w. That of y stands still.
@@ -52,7 +52,9 @@ class Rosenbrock4 {
   double attempt(double t, double h, std::span<const double> weights, StepPolynomial::End& reached) {
     std::ranges::fill(load_rate_, 0.0);
     form_.system.load().add_rate(t, load_rate_);
-    factorise(gamma * h);
+    const double g = gamma * h;
+    factorise_step(form_.system, 1.0, g, g * g, matrix_, factor_);
+    ++statistics_.matrix_factorisations;
     std::array<double, count> time{};
     for (std::size_t i = 0; i < count; ++i) {
       double at = t;
@@ -85,33 +87,24 @@ class Rosenbrock4 {
  private:
   static constexpr std::size_t count = 6;
   using Row = std::array<double, count>;
-  inline static const boost::numeric::odeint::default_rosenbrock_coefficients<double> of;
-  inline static const double gamma = of.gamma;
+  inline static const boost::numeric::odeint::default_rosenbrock_coefficients<double> tableau;
+  inline static const double gamma = tableau.gamma;
   inline static const std::array<Row, count> a{{{},
-                                                {of.a21},
-                                                {of.a31, of.a32},
-                                                {of.a41, of.a42, of.a43},
-                                                {of.a51, of.a52, of.a53, of.a54},
-                                                {of.a51, of.a52, of.a53, of.a54, 1.0}}};
+                                                {tableau.a21},
+                                                {tableau.a31, tableau.a32},
+                                                {tableau.a41, tableau.a42, tableau.a43},
+                                                {tableau.a51, tableau.a52, tableau.a53, tableau.a54},
+                                                {tableau.a51, tableau.a52, tableau.a53, tableau.a54, 1.0}}};
   inline static const std::array<Row, count> c{{{},
-                                                {of.c21},
-                                                {of.c31, of.c32},
-                                                {of.c41, of.c42, of.c43},
-                                                {of.c51, of.c52, of.c53, of.c54},
-                                                {of.c61, of.c62, of.c63, of.c64, of.c65}}};
+                                                {tableau.c21},
+                                                {tableau.c31, tableau.c32},
+                                                {tableau.c41, tableau.c42, tableau.c43},
+                                                {tableau.c51, tableau.c52, tableau.c53, tableau.c54},
+                                                {tableau.c61, tableau.c62, tableau.c63, tableau.c64, tableau.c65}}};
   // p + q
-  inline static const std::array<double, 5> d{of.d21 + of.d31, of.d22 + of.d32, of.d23 + of.d33, of.d24 + of.d34,
-                                              of.d25 + of.d35};
-
-  void factorise(double g) {
-    form_.system.dynamic_stiffness(1.0, g, g * g, matrix_);
-    try {
-      factor_.factorise(matrix_);
-    } catch (const std::domain_error&) {
-      throw StepFailure(Failure::inertia, lost_inertia(form_.system.bar(), 1.0, g, g * g));
-    }
-    ++statistics_.matrix_factorisations;
-  }
+  inline static const std::array<double, 5> d{tableau.d21 + tableau.d31, tableau.d22 + tableau.d32,
+                                              tableau.d23 + tableau.d33, tableau.d24 + tableau.d34,
+                                              tableau.d25 + tableau.d35};
 
   void solve_stage(std::size_t i, double t, double h, double time) {
     PenalisedSystem& system = form_.system;

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "dynamics/lost_inertia.hpp"
 #include "integration/accounts/energy_flow.hpp"
+#include "integration/step_matrix.hpp"
 #include "run/step_failure.hpp"
 
 namespace viscobar::sundials {
@@ -38,12 +38,7 @@ void eliminate(std::span<double> a, std::span<double> x) {
 
 void Leg::solve(double m, double c, double k, std::span<double> x) {
   if (!factorised_ || m != m_ || c != c_ || k != k_ || revision_ != system.contacts().revision()) {
-    system.dynamic_stiffness(m, c, k, matrix_);
-    try {
-      factor_.factorise(matrix_);
-    } catch (const std::domain_error&) {
-      throw StepFailure(Failure::inertia, lost_inertia(system.bar(), m, c, k));
-    }
+    factorise_step(system, m, c, k, matrix_, factor_);
     m_ = m, c_ = c, k_ = k, revision_ = system.contacts().revision();
     factorised_ = true, columns_known_ = false;
     ++statistics.matrix_factorisations;

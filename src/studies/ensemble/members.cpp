@@ -93,8 +93,8 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
     if (input.motion) return std::nullopt;
     pattern.mounted[right] = input.stiffness > 0.0 || input.dashpot > 0.0 || input.mass > 0.0;
     input = {};
-    if (pattern.mounted[right])
-      input.dashpot = 1.0;  // its node keeps the mass that `redistributed` takes from a bare one
+    // The node keeps the mass that `redistributed` takes from a bare one.
+    if (pattern.mounted[right]) input.dashpot = 1.0;
     const auto* obstacle = std::get_if<Obstacle>(&end_of(scene, right));
     if (!obstacle) continue;
     if (obstacle->side == Side::both) return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<Pattern> Members::pattern_of(const Case& run) const {
 
 Members::Members(const Case& first, Mass mass, std::vector<std::string> keys)
     : mass_(mass), end_(first.end), keys_(std::move(keys)), elements_(first.elements) {
-  // A key that may change the pattern would let a bar's way depend on which is the first.
+  // A bar's way must not depend on which bar is the first: where a key may change the pattern, all run alone.
   Case of_keys = first;
   const auto mounts = [](std::string_view key, bool right) {
     const std::string_view end = right ? "right." : "left.";
