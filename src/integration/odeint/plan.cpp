@@ -17,9 +17,8 @@ namespace {
 
 constexpr double most_steps = 1e9;
 
-// Steps of dopri5 a transit time from which on rosenbrock4 is cheaper at a tolerance of 1e-6: its steps cost a quarter
-// more, and their number goes by the fourth root of the tolerance. Undamped waves cost it up to seven times as much,
-// damped ones it has at a tenth and less.
+// Steps of dopri5 a transit time from which on rosenbrock4 is cheaper at a tolerance of 1e-6: its steps cost 1.6 times
+// as much, and their number goes by the fourth root of the tolerance (tests/measurements/odeint_steppers.py).
 constexpr double implicit_worth = 150.0;
 
 // |R(z)| of dopri5 stays below 1 on the negative real axis up to here.
@@ -99,8 +98,9 @@ OdeintPlan plan(const BarSystem& system, double duration, const Odeint& method) 
     // At its bound of stability dopri5 leaves a node without mass a velocity that no tolerance bounds.
     const double transits = duration / (system.bar().length * system.bar().slowness());
     const double worth = implicit_worth * transits * std::pow(1e-6 / method.tolerance.relative, 0.25);
-    // A contact asks for short steps while it is closed alone. A damped bar may come to rest in it.
-    const bool rests = system.bar().damped() && duration * bound.frequency > 100.0 * worth;
+    // A contact asks for short steps while it is closed alone. Where anything damps the bar it may rest in it.
+    const bool losing = system.bar().damped() || method.penalty.restitution < 1.0;
+    const bool rests = losing && duration * bound.frequency > 100.0 * worth;
     const bool stiff = system.inertia().has_massless() || duration * bound.decay_open / real_stability > worth || rests;
     plan.stepper = stiff ? Stepper::rosenbrock4 : Stepper::dopri5;
   }
