@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +15,8 @@ namespace viscobar {
 namespace {
 
 constexpr std::size_t fewest_rows = 3;  // fewer are not worth the interface
+// Nor is one that has more than a third of the nodes.
+bool worth(std::size_t rows, std::size_t nodes) { return rows >= fewest_rows && 3 * rows * lane_count >= 2 * nodes; }
 
 using Run = LaneOrder::Run;
 
@@ -59,8 +63,7 @@ LaneFactor LaneFactor::without_rows(const BandedMatrix& matrix) {
 void LaneFactor::take_alike(const BandedMatrix& matrix) {
   const std::size_t n = matrix.size();
   order_.size = n;
-  constexpr std::size_t fewest = (fewest_rows + 1) * lane_count;
-  if (n < fewest + 2 || matrix.off_diagonal.empty() || !matrix.skew.empty()) return;
+  if (n < (fewest_rows + 1) * lane_count + 2 || matrix.off_diagonal.empty() || !matrix.skew.empty()) return;
   const auto& diagonal = matrix.diagonal;
   const auto& off = matrix.off_diagonal;
   const std::size_t middle = n / 2;
@@ -72,18 +75,47 @@ void LaneFactor::take_alike(const BandedMatrix& matrix) {
   while (end + 1 < n && alike(end)) ++end;
   if (!matrix.one_sided.empty())
     begin = std::max<std::size_t>(begin, 3), end = std::min(end, n - 3);  // their entries stay
-  if (end < begin + fewest) return;
-  const std::size_t rest = (end - begin) % lane_count;
-  order_.first = begin + rest / 2;
-  order_.rows = (end - begin) / lane_count - 1;
-  order_.runs = fill({{order_.first, order_.first + (order_.rows + 1) * lane_count - 1}}, order_.rows);
+  take_even(matrix, begin, end);
 }
 
-// As many rows as there are 16 lanes of; more than a third of the nodes in the interface is not worth it.
+// An even order of nodes from `begin` on, the last of the interface between them being before `end`. No one-sided row
+// of a lane has an entry for a node that is not in it, and none of the interface skips a node of it: the order is
+// shifted until that holds.
+bool LaneFactor::take_even(const BandedMatrix& matrix, std::size_t begin, std::size_t end) {
+  if (end < begin + (fewest_rows + 1) * lane_count) return false;
+  const std::size_t room = end - begin, most = room / lane_count - 1;
+  const auto fits = [&](std::size_t first, std::size_t rows) {
+    const std::size_t behind = first + lane_count * (rows + 1) - 1;
+    const auto lane = [=](std::size_t i) {
+      return i < first || i >= behind || (i - first) % (rows + 1) == rows ? lane_count : (i - first) / (rows + 1);
+    };
+    return std::ranges::all_of(matrix.one_sided, [&](const OneSidedRow& one) {
+      const std::size_t own = lane(one.row), next = lane(one.column(1)), far = lane(one.column(2));
+      return next == far && (own == next || own == lane_count);
+    });
+  };
+  for (std::size_t rows = most; rows == most || (rows + 1 == most && worth(rows, order_.size)); --rows) {
+    const std::size_t spare = room - lane_count * (rows + 1);
+    for (std::size_t k = 0; k <= spare; ++k) {
+      const std::size_t first = begin + (spare / 2 + k) % (spare + 1);
+      if (!fits(first, rows)) continue;
+      order_.first = first, order_.rows = rows;
+      order_.runs = fill({{first, first + (rows + 1) * lane_count - 1}}, rows);
+      return true;
+    }
+  }
+  return false;
+}
+
+// As many rows as there are 16 lanes of.
 void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept) {
   const std::size_t n = matrix.size();
   order_.size = n;
   if (n < fewest_rows * lane_count || matrix.off_diagonal.empty()) return;
+  const std::size_t end_columns = matrix.one_sided.empty() ? 1 : 3;
+  if (std::ranges::all_of(kept, [n](std::size_t i) { return i == 0 || i + 1 == n; }) &&
+      take_even(matrix, end_columns, n - end_columns))
+    return;
   std::vector<bool> stays(n, false);
   stays[0] = stays[n - 2] = stays[n - 1] = true;
   for (const std::size_t node : kept) stays[node] = true;
@@ -106,13 +138,13 @@ void LaneFactor::take_all(const BandedMatrix& matrix, const std::vector<std::siz
   std::vector<Run> runs;
   std::size_t rows = n / lane_count;
   while (rows >= fewest_rows && (runs = fill(free, rows)).empty()) --rows;
-  if (runs.empty() || 3 * rows * lane_count < 2 * n) return;
+  if (runs.empty() || !worth(rows, n)) return;
   order_.first = runs.front().node;
   order_.rows = rows;
   order_.runs = std::move(runs);
 }
 
-// each(k, l_k, u_{k+1}, scale w_k, g_k, q_k) receives the rows.
+// each(k, l_k, u_{k+1}, scale w_k, g_k, q_k, L(k, k - 2), U(k, k + 2)) receives the rows.
 LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Run& run, auto&& each) const {
   // Below the rounding of rounding a neighbour's influence changes nothing; it would end in denormal numbers.
   const double negligible = std::pow(std::numeric_limits<double>::epsilon(), 2);
@@ -121,6 +153,7 @@ LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Ru
   std::array<double, 2> c = {1.0, 0.0}, d = {matrix.below(behind - 1), 0.0};
   if (!matrix.skew.empty()) c[0] = std::exchange(reach.coupling, 1.0), reach.symmetric = false;
   for (const OneSidedRow& one : matrix.one_sided) {
+    reach.symmetric &= one.row < run.node || one.row >= behind;
     if (one.leftwards ? one.row != behind : one.row + 1 != run.node) continue;
     reach.symmetric = false;
     if (one.leftwards)
@@ -129,33 +162,40 @@ LaneFactor::Reach LaneFactor::eliminate_run(const BandedMatrix& matrix, const Ru
       c = {c[0] * reach.coupling + one.entries[1], one.entries[2]}, reach.coupling = 1.0;
   }
   const double largest = std::abs(c[0]) + std::abs(c[1]);
-  double influence = 1.0, pull = c[0];
+  auto one = std::ranges::lower_bound(matrix.one_sided, run.node, {}, &OneSidedRow::row);
   struct {
-    double lower, upper, w, g;  // l and u of the next row
+    double pivot = std::numeric_limits<double>::infinity(), above = 0.0, skipping = 0.0;  // entries of D U
+    double influence = 0.0, pull = 0.0;                                                   // of L^{-1} e_0 and U^{-T} c
+    double upper() const { return above / pivot; }
   } last{}, before{};
   for (std::size_t k = 0; k < run.count; ++k) {
     const std::size_t i = run.node + k;
-    double pivot = matrix.diagonal[i];
-    if (k > 0) {
-      pivot -= last.lower * matrix.above(i - 1);
-      influence *= -last.lower;
-      pull *= -last.upper;
-      if (k == 1) pull += c[1];
+    double pivot = matrix.diagonal[i], below = k > 0 ? matrix.below(i - 1) : 0.0, above = matrix.above(i);
+    std::array<double, 2> skipping{};
+    for (; one != matrix.one_sided.end() && one->row == i; ++one) {
+      pivot += one->entries[0];
+      (one->leftwards ? below : above) += one->entries[1];
+      skipping[!one->leftwards] = one->entries[2];
     }
+    const double second = skipping[0] / before.pivot, lower = (below - second * before.above) / last.pivot;
+    pivot -= second * before.skipping + lower * last.above;
+    above -= lower * last.skipping;
+    double influence = k > 0 ? -lower * last.influence - second * before.influence : 1.0;
+    double pull = (k < 2 ? c[k] : 0.0) - last.upper() * last.pull - before.skipping / before.pivot * before.pull;
     if (!(pivot > 0.0)) throw NotPositive(matrix.finite());
     if (reach.rows == k && (std::abs(influence) > negligible || std::abs(pull) > negligible * largest))
       ++reach.rows;
     else
       influence = pull = 0.0;
     before = last;
-    last = {matrix.below(i) / pivot, matrix.above(i) / pivot, 1.0 / pivot, influence / pivot};
+    last = {pivot, above, skipping[1], influence, pull};
     reach.through = pull / pivot;
     reach.corner += influence * reach.through;
-    reach.last = (d[0] - d[1] * before.upper) / pivot;
-    each(k, before.lower, last.upper, scale_ / pivot, last.g, reach.through);
+    reach.last = (d[0] - d[1] * before.upper()) / pivot;
+    each(k, lower, last.upper(), scale_ / pivot, influence / pivot, reach.through, second, skipping[1] / pivot);
   }
-  reach.back = (d[0] - d[1] * before.upper) * last.g + d[1] * before.g;
-  reach.to_right = {scale_ * reach.last, scale_ * d[1] * before.w};
+  reach.back = reach.last * last.influence + d[1] * before.influence / before.pivot;
+  reach.to_right = {scale_ * reach.last, scale_ * d[1] / before.pivot};
   if (run.count == 1) reach.beyond = {c[1], d[1]};
   return reach;
 }
@@ -166,13 +206,14 @@ void LaneFactor::build(const BandedMatrix& matrix, bool alike) {
     return;
   }
   std::vector<Reach> reach;
+  std::map<std::size_t, Second> seconds;
   const auto resize = [&]<class C>(Rows<C>& of) {
     for (auto* each : {&of.lower, &of.upper, &of.scaled_inverse_pivot, &of.from_left})
       each->assign(order_.rows, C(0.0));
   };
   if (alike) {
     resize(alike_);
-    const auto take = [this](std::size_t k, double lower, double upper, double inverse_pivot, double g, double) {
+    const auto take = [this](std::size_t k, double lower, double upper, double inverse_pivot, double g, auto&&...) {
       alike_.lower[k] = lower, alike_.upper[k] = upper;
       alike_.scaled_inverse_pivot[k] = inverse_pivot, alike_.from_left[k] = g;
     };
@@ -181,17 +222,24 @@ void LaneFactor::build(const BandedMatrix& matrix, bool alike) {
     resize(unlike_);
     unlike_.to_left = unlike_.from_left;
     for (const Run& run : order_.runs) {
-      const auto take = [&](std::size_t k, double lower, double upper, double inverse_pivot, double g, double q) {
+      const auto take = [&](std::size_t k, double lower, double upper, double inverse_pivot, double g, double q,
+                            double second_lower, double second_upper) {
         const std::size_t row = run.begin + k, lane = run.lane;
         unlike_.lower[row][lane] = k == 0 && row > 0 ? 1.0 : lower;
         unlike_.upper[row][lane] = upper;
         unlike_.scaled_inverse_pivot[row][lane] = inverse_pivot;
         unlike_.from_left[row][lane] = g, unlike_.to_left[row][lane] = q;
+        if (second_lower != 0.0) seconds[row].lower[lane] = second_lower;
+        if (second_upper != 0.0) seconds[row].upper[lane] = second_upper;
       };
       reach.push_back(eliminate_run(matrix, run, take));
     }
+    if (std::ranges::all_of(reach, &Reach::symmetric)) unlike_.to_left.clear();
   }
-  cut(matrix, reach);
+  if (order_.even())
+    cut_evenly(matrix, reach, seconds);
+  else
+    cut(matrix, reach);
   condense(matrix, reach);
 }
 
@@ -234,6 +282,7 @@ void LaneFactor::condense(const BandedMatrix& matrix, const std::vector<Reach>& 
     return std::ranges::any_of(order_.runs, [i](const Run& run) { return run.node <= i && i < run.node_behind(); });
   };
   for (OneSidedRow one : matrix.one_sided) {
+    if (in_a_run(one.row)) continue;
     const bool taken = in_a_run(one.column(1));
     one.row = order_.interface_index(one.row);
     if (taken)
@@ -244,6 +293,26 @@ void LaneFactor::condense(const BandedMatrix& matrix, const std::vector<Reach>& 
 }
 
 // Into rows that are swept alike.
+void LaneFactor::cut_evenly(const BandedMatrix& matrix, const std::vector<Reach>& reach,
+                            const std::map<std::size_t, Second>& seconds) {
+  const std::size_t felt = std::ranges::max(reach, {}, &Reach::rows).rows;
+  std::set<std::size_t> ends = {felt, order_.rows};
+  for (const auto& [row, second] : seconds) ends.insert(row);
+  std::size_t begin = 0;
+  for (const std::size_t end : ends) {
+    if (end == 0) continue;
+    pieces_.push_back({end, begin < felt});
+    if (const auto second = seconds.find(begin); second != seconds.end()) pieces_.back().second = second->second;
+    begin = end;
+  }
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    even_.coupling[l] = matrix.below(order_.runs[l].node - 1);
+    even_.by_left[l] = reach[l].coupling;
+    for (std::size_t k : {0, 1}) even_.to_right[k][l] = reach[l].to_right[k];
+  }
+}
+
+// The same where runs end inside lanes.
 void LaneFactor::cut(const BandedMatrix& matrix, const std::vector<Reach>& reach) {
   const auto& runs = order_.runs;
   std::vector<std::size_t> ends;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,9 +20,10 @@ namespace viscobar {
 ///
 /// so that what is done to a lane node by node is done to all of them at once. The first and the other nodes are the
 /// *interface*, in the order of the nodes. A lane is a *run* of neighbours, or several runs where nodes of the
-/// interface lie between, as at joints; row k of lane l is stored at first + 16 k + l. Without rows, as on a short bar,
-/// it is the order of the nodes itself. The first two and the last two nodes are where they always are, three where a
-/// matrix has end rows.
+/// interface lie between, as at contacts of joints; row k of lane l is stored at first + 16 k + l. In an *even* order
+/// each lane is one run, and one node of the interface lies between each two: those and the one behind the last lane
+/// are stored as one more row. Without rows, as on a short bar, it is the order of the nodes itself. The first two and
+/// the last two nodes are where they always are, three where a matrix has end rows.
 struct LaneOrder {
   /// Neighbours in a lane, from row `begin` on.
   struct Run {
@@ -35,6 +38,9 @@ struct LaneOrder {
 
   std::size_t row(std::size_t k) const { return first + k * lane_count; }  ///< where row k begins
   std::size_t interface_size() const { return size - rows * lane_count; }  ///< nodes in no lane
+  bool even() const {
+    return runs.size() == lane_count && runs.back().node == runs.front().node + (lane_count - 1) * (rows + 1);
+  }
   /// Where node i of the interface is stored.
   std::size_t stored(std::size_t i) const { return i < first || rows == 0 ? i : i + rows * lane_count; }
   /// Number of one of them among the interface's nodes.
@@ -118,12 +124,13 @@ class LaneFields {
 ///     x_k = w_k y_k - g_k (e_left x_left) - u_{k+1} x_{k+1},    k = m - 1, ..., 0,    x_m = x_right.
 ///
 /// The row of the node before it takes x_0 and x_1 of the run by c_1 and c_2, that of the node behind it those from its
-/// end on by d_1 and d_2; c_2 and d_2 are entries of one-sided rows, as at joints.
+/// end on by d_1 and d_2; c_2 and d_2 are entries of one-sided rows, as at joints. Such a row r inside a run gives L
+/// the entry (r, r - 2) and U the entry (r, r + 2).
 ///
 /// So each sweep is one recurrence for 16 lanes. Where rows are alike but for some at either end, as those of a uniform
 /// bar are, its coefficients are three numbers a row, else five a node. What is bound by an obstacle stays in the
-/// small condensed system. So do the one-sided rows, with their columns at the ends. All arrays are in the order of
-/// order().
+/// small condensed system. So do the one-sided rows of the ends, with their columns, and all of them in an order that
+/// is not even. All arrays are in the order of order().
 class LaneFactor {
  public:
   LaneFactor() = default;
@@ -152,9 +159,10 @@ class LaneFactor {
       eliminate_by(unlike_, right, y, interface);
   }
 
-  /// Second sweep, from the solution at the interface: `use(k, x)` receives row k of x, k = m - 1, ..., 0.
+  /// Second sweep, from the solution at the interface: y becomes x, and `use(k, x)` receives row k of it, k = m - 1,
+  /// ..., 0.
   template <class Row>
-  void substitute(std::span<const double> interface, std::span<const double> y, const Row& use) const {
+  void substitute(std::span<const double> interface, std::span<double> y, const Row& use) const {
     if (order_.rows == 0) return;
     if (unlike_.lower.empty())
       substitute_by(alike_, interface, y, use);
@@ -176,11 +184,21 @@ class LaneFactor {
     double coupling = 0.0, by_left = 0.0;
     std::array<double, 2> to_right{};
   };
+  // The same of all lanes of an even order: each couples the nodes of the interface beside it.
+  struct EvenEnds {
+    Lanes coupling = 0.0, by_left = 0.0;
+    std::array<Lanes, 2> to_right{};
+  };
+  // L(k, k - 2) and U(k, k + 2) of one-sided rows.
+  struct Second {
+    Lanes lower = 0.0, upper = 0.0;
+  };
   // Rows up to `end`, in which no run begins: which feel a left neighbour at all.
   struct Piece {
     std::size_t end;
     bool felt;
-    std::vector<Ends> ended;  // runs that end with it, but for the last of each lane
+    std::vector<Ends> ended{};       // runs that end with it, but for the last of each lane
+    std::optional<Second> second{};  // of its first row
   };
   // A run as its neighbours see it: how far it feels the left one; the factor of q in that one's row, and what the row
   // takes of T^{-1} e_0 and T^{-1} e_{m-1}, over it; the same of the right one's row, last column first. `beyond` has
@@ -194,10 +212,13 @@ class LaneFactor {
 
   void take_alike(const BandedMatrix& matrix);
   void take_all(const BandedMatrix& matrix, const std::vector<std::size_t>& kept);
+  bool take_even(const BandedMatrix& matrix, std::size_t begin, std::size_t end);
   void build(const BandedMatrix& matrix, bool alike);
   Reach eliminate_run(const BandedMatrix& matrix, const LaneOrder::Run& run, auto&& each) const;
   void condense(const BandedMatrix& matrix, const std::vector<Reach>& reach);
   void cut(const BandedMatrix& matrix, const std::vector<Reach>& reach);
+  void cut_evenly(const BandedMatrix& matrix, const std::vector<Reach>& reach,
+                  const std::map<std::size_t, Second>& seconds);
 
   // Calls that lanes pass through cost more than their arithmetic: all are inlined.
   template <class C, class Row>
@@ -224,16 +245,23 @@ class LaneFactor {
       if (run.to_right[1] != 0.0) interface[run.right] -= run.to_right[1] * *(last - lane_count);
       return in_front;
     };
+    const auto add = [&](const Lanes& force, auto felt) __attribute__((always_inline)) {
+      eliminated = force - lower[k] * eliminated;
+      if constexpr (felt) pull += to_left[k] * eliminated;
+      store_lanes(eliminated, row);
+      ++k, row += lane_count;
+    };
     for (const Piece& piece : pieces_) {
-      const auto add_all = [&](auto felt) __attribute__((always_inline)) {
-        while (k < piece.end) {
-          eliminated = right(k) - lower[k] * eliminated;
-          if constexpr (felt) pull += to_left[k] * eliminated;
-          store_lanes(eliminated, row);
-          ++k, row += lane_count;
+      if constexpr (std::is_same_v<C, Lanes>)
+        if (piece.second) {
+          Lanes force = right(k);
+          if (k >= 2) force -= piece.second->lower * load_lanes(row - 2 * lane_count);
+          add(force, std::true_type());
         }
-      };
-      piece.felt ? add_all(std::true_type()) : add_all(std::false_type());
+      if (piece.felt)
+        while (k < piece.end) add(right(k), std::true_type());
+      else
+        while (k < piece.end) add(right(k), std::false_type());
       if constexpr (std::is_same_v<C, Lanes>) {
         if (piece.ended.empty()) continue;
         change_lanes(pull, [&](auto& pulls) {
@@ -243,11 +271,13 @@ class LaneFactor {
         });
       }
     }
-    if constexpr (std::is_same_v<C, double>) {
+    if (order_.even()) {
       double* left = &interface[order_.first - 1];
-      store_lanes(load_lanes(left) - scale_ * last_[0].coupling * pull, left);
-      store_lanes(load_lanes(left + 1) - scale_ * of.upper[k - 1] * eliminated, left + 1);
-    } else {
+      store_lanes(load_lanes(left) - scale_ * even_.by_left * pull, left);
+      Lanes pulled = even_.to_right[0] * eliminated;
+      if constexpr (std::is_same_v<C, Lanes>) pulled += even_.to_right[1] * load_lanes(row - 2 * lane_count);
+      store_lanes(load_lanes(left + 1) - pulled, left + 1);
+    } else if constexpr (std::is_same_v<C, Lanes>) {
       std::array<double, lane_count> pulls;
       store_lanes(pull, pulls.data());
       for (const Ends& run : last_) end(run, pulls[run.lane]);
@@ -255,11 +285,11 @@ class LaneFactor {
   }
 
   template <class C, class Row>
-  [[gnu::flatten]] void substitute_by(const Rows<C>& of, std::span<const double> interface, std::span<const double> y,
+  [[gnu::flatten]] void substitute_by(const Rows<C>& of, std::span<const double> interface, std::span<double> y,
                                       const Row& given) const {
     const Row use = given;
     const C *upper = of.upper.data(), *inverse_pivot = of.scaled_inverse_pivot.data(), *from_left = of.from_left.data();
-    const double* rows = &y[order_.row(0)];
+    double* rows = &y[order_.row(0)];
     Lanes left, x;
     const auto enter = [&](std::span<const Ends> runs) {
       change_lanes(left, [&](auto& lefts) {
@@ -269,28 +299,39 @@ class LaneFactor {
         });
       });
     };
-    if constexpr (std::is_same_v<C, double>)
-      left = -last_[0].coupling * load_lanes(&interface[order_.first - 1]), x = load_lanes(&interface[order_.first]);
+    if (order_.even())
+      left = -even_.coupling * load_lanes(&interface[order_.first - 1]), x = load_lanes(&interface[order_.first]);
     else
       left = x = 0.0, enter(last_);
     std::size_t k = order_.rows;
+    const auto take = [&](const Lanes& y_k) __attribute__((always_inline)) {
+      x = y_k - upper[k] * x;
+      store_lanes(x, rows + k * lane_count);
+      use(k, x);
+    };
     for (std::size_t p = pieces_.size(); p-- > 0;) {
       const Piece& piece = pieces_[p];
       const std::size_t begin = p > 0 ? pieces_[p - 1].end : 0;
       if (std::is_same_v<C, Lanes> && !piece.ended.empty()) enter(piece.ended);
+      const std::size_t last = piece.second ? begin + 1 : begin;
       if (piece.felt) {
-        while (k > begin) {
+        while (k > last) {
           --k;
-          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left - upper[k] * x;
-          use(k, x);
+          take(inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left);
         }
       } else {
-        while (k > begin) {
+        while (k > last) {
           --k;
-          x = inverse_pivot[k] * load_lanes(rows + k * lane_count) - upper[k] * x;
-          use(k, x);
+          take(inverse_pivot[k] * load_lanes(rows + k * lane_count));
         }
       }
+      if constexpr (std::is_same_v<C, Lanes>)
+        if (k > begin) {
+          --k;
+          Lanes y_k = inverse_pivot[k] * load_lanes(rows + k * lane_count) + from_left[k] * left;
+          if (k + 2 < order_.rows) y_k -= piece.second->upper * load_lanes(rows + (k + 2) * lane_count);
+          take(y_k);
+        }
     }
   }
 
@@ -299,7 +340,8 @@ class LaneFactor {
   Rows<double> alike_;
   Rows<Lanes> unlike_;
   std::vector<Piece> pieces_;
-  std::array<Ends, lane_count> last_{};  // the last run of each lane
+  std::array<Ends, lane_count> last_{};  // the last run of each lane, but in an even order
+  EvenEnds even_;
   BandedMatrix condensed_;
 };
 

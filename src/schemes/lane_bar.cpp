@@ -14,7 +14,7 @@ namespace {
 struct ViscousStress {
   double relaxation;
   const double *u, *w;
-  double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i] + relaxation * (w[j] - w[i]); }
+  double nodes(std::size_t i, std::size_t j, std::size_t = 0) const { return u[j] - u[i] + relaxation * (w[j] - w[i]); }
   [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t = 0) const {
     return load_lanes(u + j) - load_lanes(u + i) + relaxation * (load_lanes(w + j) - load_lanes(w + i));
   }
@@ -22,22 +22,21 @@ struct ViscousStress {
 
 struct ElasticStress {
   const double* u;
-  double nodes(std::size_t i, std::size_t j) const { return u[j] - u[i]; }
+  double nodes(std::size_t i, std::size_t j, std::size_t = 0) const { return u[j] - u[i]; }
   [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t = 0) const {
     return load_lanes(u + j) - load_lanes(u + i);
   }
 };
 
-// The same of elements that are not alike, weighted by the inverse of their int dx / A. A row counts the element in
-// front of it.
+// The same of elements that are not alike, weighted by the inverse of their int dx / A: of edge e, or of rows the
+// weights from `at` on.
 template <class Stress>
 struct WeightedStress {
   Stress plain;
-  const double* of_edges;
-  const Lanes* of_rows;
+  const double *of_edges, *of_rows;
   double nodes(std::size_t i, std::size_t j, std::size_t e) const { return of_edges[e] * plain.nodes(i, j); }
-  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t k) const {
-    return of_rows[k] * plain.rows(i, j);
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t at) const {
+    return load_lanes(of_rows + at) * plain.rows(i, j);
   }
 };
 
@@ -48,39 +47,39 @@ struct UnlikeStress {
   double nodes(std::size_t i, std::size_t j, std::size_t e) const {
     return elastic.nodes(i, j, e) + relaxation * viscous.nodes(i, j, e);
   }
-  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t k) const {
-    return elastic.rows(i, j, k) + relaxation * viscous.rows(i, j, k);
+  [[gnu::always_inline]] Lanes rows(std::size_t i, std::size_t j, std::size_t at) const {
+    return elastic.rows(i, j, at) + relaxation * viscous.rows(i, j, at);
   }
 };
 
-// Stresses of the elements in front of the stretches, and below of those behind: a stretch follows the separator of the
-// one before.
+// Stresses of the elements in front of the lanes of an even order, and below of those behind the nodes between them,
+// each being in front of the next lane.
 template <class Stress>
 [[gnu::always_inline]] inline Lanes in_front(const LaneOrder& order, const Stress& stress) {
-  Lanes stresses = stress.rows(order.row(order.rows) - 1, order.first);
-  change_lanes(stresses, [&](auto& of) { of[0] = stress.nodes(order.first - 1, order.first); });
+  Lanes stresses = stress.rows(order.row(order.rows) - 1, order.first, 0);
+  change_lanes(stresses, [&](auto& of) { of[0] = stress.nodes(order.first - 1, order.first, order.first); });
   return stresses;
 }
 template <class Stress>
 [[gnu::always_inline]] inline Lanes behind(const LaneOrder& order, const Stress& stress) {
-  const std::size_t separators = order.row(order.rows), end = separators + lane_count;
-  Lanes stresses = stress.rows(separators, order.first + 1);
-  change_lanes(stresses, [&](auto& of) { of.back() = stress.nodes(end - 1, end); });
+  const std::size_t between = order.row(order.rows), end = between + lane_count;
+  Lanes stresses = stress.rows(between, order.first + 1, 1);
+  change_lanes(stresses, [&](auto& of) { of.back() = stress.nodes(end - 1, end, order.first + 1); });
   return stresses;
 }
 
-// Forces on the nodes in their order; `left` and `right` are the stresses beyond the first and the last one. Each
-// stress is made twice, so that no node waits for another.
+// Forces on the nodes in their order; `walls` are the stresses beyond the first and the last one. Each stress is made
+// twice, so that no node waits for another.
 template <class Stress>
-void forces_in_order(const Stress& stress, double scale, double left, double right, std::span<const double> load,
+void forces_in_order(const Stress& stress, double scale, std::array<double, 2> walls, std::span<const double> load,
                      std::span<double> out) {
   const std::size_t last = out.size() - 1;
   const auto fill = [&, force = out.data()](auto&& load_at) {
-    force[0] = scale * ((last > 0 ? stress.nodes(0, 1) : right) - left) + load_at(0);
+    force[0] = scale * ((last > 0 ? stress.nodes(0, 1) : walls[1]) - walls[0]) + load_at(0);
 #pragma GCC ivdep
     for (std::size_t i = 1; i < last; ++i)
       force[i] = scale * (stress.nodes(i, i + 1) - stress.nodes(i - 1, i)) + load_at(i);
-    if (last > 0) force[last] = scale * (right - stress.nodes(last - 1, last)) + load_at(last);
+    if (last > 0) force[last] = scale * (walls[1] - stress.nodes(last - 1, last)) + load_at(last);
   };
   if (load.empty())
     fill([](std::size_t) { return 0.0; });
@@ -88,21 +87,21 @@ void forces_in_order(const Stress& stress, double scale, double left, double rig
     fill([values = load.data()](std::size_t i) { return values[i]; });
 }
 
-// Forces of the end nodes beside the rows.
+// Forces of the end nodes beside the lanes of an even order.
 template <class Stress>
-void end_forces(const LaneOrder& order, const Stress& stress, double scale, double left, double right,
+void end_forces(const LaneOrder& order, const Stress& stress, double scale, std::array<double, 2> walls,
                 std::span<double> interface) {
   const std::size_t n = order.size, skipped = n - interface.size();
-  const auto forces = [&](std::size_t begin, std::size_t end, double before, double* out) {
+  const auto forces = [&](std::size_t begin, std::size_t end, std::size_t edge, double before, double* out) {
     for (std::size_t i = begin; i < end; ++i) {
-      const double next = i + 1 < n ? stress.nodes(i, i + 1) : right;
+      const double next = i + 1 < n ? stress.nodes(i, i + 1, ++edge) : walls[1];
       *out++ = scale * (next - before);
       before = next;
     }
   };
-  forces(0, order.first, left, interface.data());
-  const std::size_t begin = order.row(order.rows) + lane_count;  // behind the separators
-  forces(begin, n, stress.nodes(begin - 1, begin), &interface[begin - skipped]);
+  forces(0, order.first, 0, walls[0], interface.data());
+  const std::size_t begin = order.row(order.rows) + lane_count, edge = order.first + 1;
+  forces(begin, n, edge, stress.nodes(begin - 1, begin, edge), &interface[begin - skipped]);
 }
 
 // The forces on rows over their scale, one row after the other, with what a load adds.
@@ -116,7 +115,7 @@ struct ForceRows {
 
   [[gnu::always_inline]] Lanes operator()(std::size_t k) {
     const std::size_t here = row + k * lane_count;
-    const Lanes next = stress.rows(here, here + lane_count, k + 1), force = next - before;
+    const Lanes next = stress.rows(here, here + lane_count, (k + 1) * lane_count), force = next - before;
     before = next;
     if constexpr (loaded)
       return force + per_scale * load_lanes(load + k * lane_count);
@@ -137,18 +136,19 @@ void with_rows(const LaneOrder& order, const Stress& stress, double scale, std::
 }
 
 template <class Stress>
-void eliminate(const LaneFactor& factor, const Stress& stress, double scale, std::span<const double> load,
-               std::span<double> y, std::span<double> interface) {
+void eliminate_evenly(const LaneFactor& factor, const Stress& stress, double scale, std::span<const double> load,
+                      std::span<double> y, std::span<double> interface) {
   const LaneOrder& order = factor.order();
-  const std::size_t separators = order.row(order.rows), last = order.size - separators - lane_count;
-  Lanes at_separators = scale * (behind(order, stress) - stress.rows(separators - lane_count, separators));
+  const std::size_t between = order.row(order.rows), last = order.size - between - lane_count;
+  Lanes at_nodes_between =
+      scale * (behind(order, stress) - stress.rows(between - lane_count, between, order.rows * lane_count));
   const Lanes before = in_front(order, stress);
   if (!load.empty()) {
     for (std::size_t i = 0; i < order.first; ++i) interface[i] += load[i];
-    at_separators += load_lanes(&load[separators]);
+    at_nodes_between += load_lanes(&load[between]);
     for (std::size_t i = 1; i <= last; ++i) interface[interface.size() - i] += load[load.size() - i];
   }
-  store_lanes(at_separators, &interface[order.first]);
+  store_lanes(at_nodes_between, &interface[order.first]);
   with_rows(order, stress, scale, load, before, [&](const auto& rows) { factor.eliminate(rows, y, interface); });
 }
 
@@ -193,7 +193,8 @@ LaneBar::LaneBar(const BarSystem& system, const LaneOrder& order)
   if (!alike) viscous_ = weights(system.elements().rate_weights());
 }
 
-// The edge before the first node and the one behind the last are walls, which have no nodes here.
+// The edge before the first node and the one behind the last are walls, which have no nodes here. In an even order the
+// elements beside lanes are rows as well, but for those in front of the first lane and behind the nodes between them.
 void LaneBar::take_edges() {
   const auto& runs = order_.runs;
   const std::size_t first = system_.unknowns().first_node();
@@ -202,7 +203,11 @@ void LaneBar::take_edges() {
   };
   const auto add = [&](std::size_t node) { add_between(order_.place(node - 1), order_.place(node), first + node - 1); };
   add_between(0, 0, 0);
-  for (std::size_t r = 0, node = 0; r <= runs.size(); ++r) {
+  if (order_.even()) {
+    for (std::size_t node = 1; node <= order_.first; ++node) add(node);
+    for (std::size_t node = runs.back().node_behind() + 1; node < order_.size; ++node) add(node);
+  }
+  for (std::size_t r = 0, node = 0; !order_.even() && r <= runs.size(); ++r) {
     for (const std::size_t end = r < runs.size() ? runs[r].node : order_.size; node < end; ++node) {
       fronts_.push_back(edges_.element.size() - 1);
       if (node + 1 < order_.size) add(node + 1);
@@ -226,8 +231,9 @@ void LaneBar::take_edges() {
 LaneBar::Weights LaneBar::weights(const std::vector<double>& of_elements) const {
   Weights all{{}, std::vector<Lanes>(order_.rows + 1, Lanes(0.0))};
   for (const std::size_t element : edges_.element) all.of_edges.push_back(of_elements[element]);
+  const std::size_t beside = order_.even() ? 1 : 0;
   for (const LaneOrder::Run& run : order_.runs)
-    for (std::size_t k = 1; k < run.count; ++k)
+    for (std::size_t k = 1 - beside; k < run.count + beside; ++k)
       all.of_rows[run.begin + k][run.lane] = of_elements[system_.unknowns().first_node() + run.node + k - 1];
   return all;
 }
@@ -280,7 +286,7 @@ void LaneBar::eliminate_unlike(const LaneFactor& factor, const Stress& stress, s
 
 void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> u, std::span<const double> w,
                               std::span<const double> load, std::span<double> y, std::span<double> interface) const {
-  const bool alike = system_.elements().rows_alike();
+  const bool alike = system_.elements().rows_alike(), even = order_.even();
   if (system_.side() || (!alike && order_.rows == 0)) {
     system_.internal_force(u, w, interface);
     double* const force = interface.data();
@@ -296,16 +302,24 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       (support.unknown == 0 ? interface.front() : interface.back()) -=
           support.stiffness * u[support.unknown] + support.dashpot * w[support.unknown];
   };
+  const Weights& viscous = viscous_.of_rows.empty() ? elastic_ : viscous_;
+  std::array<double, 2> walls{};
+  const auto of_wall = [&](std::size_t end, double moved, double speed) {
+    if (alike) return moved + relaxation * speed;
+    return elastic_.of_edges[end] * moved + relaxation * viscous.of_edges[end] * speed;
+  };
+  if (left_end) walls[0] = of_wall(0, u[0] - *left_end, w[0]);
+  if (right_end) walls[1] = of_wall(elastic_.of_edges.size() - 1, *right_end - u[n - 1], -w[n - 1]);
+  const auto run_evenly = [&](const auto& stress) __attribute__((always_inline)) {
+    end_forces(order_, stress, scale, walls, interface);
+    pull_of_supports();
+    eliminate_evenly(factor, stress, scale, load, y, interface);
+  };
   if (alike) {
-    const double left = left_end ? u[0] - *left_end + relaxation * w[0] : 0.0;
-    const double right = right_end ? *right_end - u[n - 1] - relaxation * w[n - 1] : 0.0;
     const auto run = [&](const auto& stress) __attribute__((always_inline)) {
-      if (order_.rows == 0)
-        forces_in_order(stress, scale, left, right, load, interface);
-      else
-        end_forces(order_, stress, scale, left, right, interface);
+      if (order_.rows > 0) return run_evenly(stress);
+      forces_in_order(stress, scale, walls, load, interface);
       pull_of_supports();
-      if (order_.rows > 0) eliminate(factor, stress, scale, load, y, interface);
     };
     if (system_.bar().damped())
       run(ViscousStress{relaxation, u.data(), w.data()});
@@ -313,19 +327,15 @@ void LaneBar::eliminate_force(const LaneFactor& factor, std::span<const double> 
       run(ElasticStress{u.data()});
     return;
   }
-  const Weights& viscous = viscous_.of_rows.empty() ? elastic_ : viscous_;
-  std::array<double, 2> walls{};
-  if (left_end)
-    walls[0] = elastic_.of_edges.front() * (u[0] - *left_end) + relaxation * viscous.of_edges.front() * w[0];
-  if (right_end)
-    walls[1] = elastic_.of_edges.back() * (*right_end - u[n - 1]) - relaxation * viscous.of_edges.back() * w[n - 1];
   const auto run = [&](const auto& stress) {
+    if (even) return run_evenly(stress);
     interface_forces(stress, walls, load, interface);
     pull_of_supports();
     eliminate_unlike(factor, stress, load, y, interface);
   };
   const auto weighted = [](const auto& plain, const Weights& by) {
-    return WeightedStress<std::decay_t<decltype(plain)>>{plain, by.of_edges.data(), by.of_rows.data()};
+    return WeightedStress<std::decay_t<decltype(plain)>>{plain, by.of_edges.data(),
+                                                         reinterpret_cast<const double*>(by.of_rows.data())};
   };
   if (!system_.bar().damped())
     run(weighted(ElasticStress{u.data()}, elastic_));

@@ -42,7 +42,7 @@ class LaneBar {
   };
   struct Weights {
     std::vector<double> of_edges;
-    std::vector<Lanes> of_rows;  // of the elements in front of them; 0 where a run begins, and behind the last
+    std::vector<Lanes> of_rows;  // of the elements in front of them, and behind the last; not even: 0 beside runs
   };
   Weights weights(const std::vector<double>& of_elements) const;
   void take_edges();

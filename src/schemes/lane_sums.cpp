@@ -27,16 +27,22 @@ template <class Value, class Join, class Finish>
   for (std::size_t e = 1; e < last; ++e)
     joined[e] = join(value([i = at_i[e]](const double* x) { return x[i]; }),
                      value([j = at_j[e]](const double* x) { return x[j]; }));
+  const Lanes but_last([](auto lane) { return lane + 1 < lane_count ? 1.0 : 0.0; });
   const auto sums = [&](auto&& of_row, auto&& of_edge) __attribute__((always_inline)) {
     const auto row = [&](std::size_t k) {
       return value([at = order_.row(k)](const double* x) { return load_lanes(x + at); });
     };
     auto here = row(0);
     Lanes of_rows = 0.0;
-    for (std::size_t k = 1; k < order_.rows; ++k) {
+    const bool even = order_.even();
+    for (std::size_t k = 1, end = order_.rows + even; k < end; ++k) {
       const auto next = row(k);
-      of_rows += of_row(k, finish(join(here, next)));
+      of_rows += of_row(k * lane_count, finish(join(here, next)));
       here = next;
+    }
+    if (even) {  // `here` is the nodes between lanes; the one behind the last lane has none behind it
+      const auto next = value([at = order_.first + 1](const double* x) { return load_lanes(x + at); });
+      of_rows += but_last * of_row(1, finish(join(here, next)));
     }
     return sum_by_lanes(last - 1, [&, x = joined + 1](auto&& at) { return of_edge(at, finish(at(x))); }) +
            sum_of(of_rows);
@@ -44,7 +50,8 @@ template <class Value, class Join, class Finish>
   if (!of)
     return sums([](std::size_t, const Lanes& terms) { return terms; },
                 [](auto&&, const Lanes& terms) { return terms; });
-  return sums([rows = of->of_rows.data()](std::size_t k, const Lanes& terms) { return rows[k] * terms; },
+  const double* const rows = reinterpret_cast<const double*>(of->of_rows.data());
+  return sums([rows](std::size_t at, const Lanes& terms) { return load_lanes(rows + at) * terms; },
               [edges = of->of_edges.data() + 1](auto&& at, const Lanes& terms) { return at(edges) * terms; });
 }
 

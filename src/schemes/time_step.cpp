@@ -311,15 +311,16 @@ void TimeStep::evaluate_load(double t) {
 template <class Use>
 void TimeStep::substitute(Use&& use) {
   eliminated_ = false;
-  const auto row = [use, rows = a_.data(), first = order_.first](std::size_t k, const Lanes& a) {
-    store_lanes(a, rows + first + k * lane_count);
-    use(first + k * lane_count, a);
-  };
-  factor_.substitute(interface_, a_, row);
+  factor_.substitute(interface_, a_,
+                     [use, first = order_.first](std::size_t k, const Lanes& a) { use(first + k * lane_count, a); });
   for (std::size_t i = 0; i < order_.first; ++i) use(i, a_[i] = interface_[i]);
-  std::size_t i = order_.first, k = order_.rows;
-  for (; i + lane_count <= interface_.size(); i += lane_count) row(k++, load_lanes(&interface_[i]));
-  for (; i < interface_.size(); ++i) use(order_.stored(i), a_[order_.stored(i)] = interface_[i]);
+  std::size_t i = order_.first, at = order_.row(order_.rows);
+  for (; i + lane_count <= interface_.size(); i += lane_count, at += lane_count) {
+    const Lanes a = load_lanes(&interface_[i]);
+    store_lanes(a, &a_[at]);
+    use(at, a);
+  }
+  for (; i < interface_.size(); ++i, ++at) use(at, a_[at] = interface_[i]);
 }
 
 void TimeStep::complete() {
