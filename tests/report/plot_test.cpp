@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
 #include "report/plot/axis.hpp"
@@ -143,6 +145,21 @@ TEST(ThinnedLine, IsTheLineItselfWhileItIsShort) {
   const std::vector<Point> kept = thinned.points();
   ASSERT_EQ(kept.size(), line.size());
   for (std::size_t i = 0; i < line.size(); ++i) EXPECT_EQ(kept[i].y, line[i].y);
+}
+
+// A page has a marker of some 200 bytes a point.
+TEST(PointsOf, AreThoseThatBoundTheOthersWhereThereAreMany) {
+  for (const std::size_t count : {most_points, 40 * most_points}) {
+    std::vector<double> x(count), y(count, 0.0);
+    std::iota(x.begin(), x.end(), 0.0);
+    y[count / 3] = 1.0, y[count / 2] = std::numeric_limits<double>::quiet_NaN(), y[count - 7] = -2.0;
+    const std::vector<Point> points = points_of(x, y);
+    EXPECT_EQ(points.size() == count - 1, count == most_points);
+    EXPECT_LE(points.size(), most_points);
+    for (const std::size_t k : {std::size_t{0}, count / 3, count - 7, count - 1})
+      EXPECT_TRUE(std::ranges::any_of(points, [&](const Point& p) { return p.x == x[k] && p.y == y[k]; })) << k;
+    EXPECT_EQ(thinned_remark(count).empty(), count == most_points);
+  }
 }
 
 TEST(ThinnedIntervals, StayFewAndCoverWhatTheyWereGiven) {

@@ -100,6 +100,7 @@ Picture traces_picture(const FitStudy& study, const FitResult& result, const Num
   Picture picture{
       "Data and model",
       "Markers are measured, the line is the model with the estimates. Below each, what is left: model less data."};
+  picture.caption += plot::thinned_remark(study.times.size());
   for (std::size_t i = 0; i < study.traces.size(); ++i) {
     const MeasuredTrace& data = study.traces[i];
     const std::string column = name(data.column, data.place);

@@ -146,6 +146,9 @@ std::vector<std::string> sentences(const JudgeStudy& study, const JudgeResult& j
 Picture curves(const JudgeStudy& study, const JudgeResult& judgement, const NumberText& number) {
   Picture picture{"Theirs and the bar's",
                   "Markers are theirs, the line is the bar. Below, the difference: theirs less the bar's."};
+  std::size_t longest = 0;
+  for (const TheirSolution& one : study.solutions) longest = std::max(longest, one.times.size());
+  picture.caption += plot::thinned_remark(longest);
   std::vector<std::string> names;
   for (const JudgedSolution& judged : judgement.solutions)
     for (const JudgedColumn& column : judged.columns)

@@ -6,10 +6,10 @@
 namespace viscobar::plot {
 
 std::vector<Point> points_of(std::span<const double> x, std::span<const double> y) {
-  std::vector<Point> points;
-  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k)
-    if (std::isfinite(y[k])) points.push_back({x[k], y[k]});
-  return points;
+  const std::size_t count = std::min(x.size(), y.size());
+  ThinnedLine line(count > most_points ? most_points / 4 : most_points);
+  for (std::size_t k = 0; k < count; ++k) line.add({x[k], y[k]});
+  return line.points();
 }
 
 void ThinnedLine::Bucket::join(const Bucket& next) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace viscobar::plot {
@@ -10,8 +12,13 @@ struct Point {
   static void members(auto& point, auto&& each) { each(point.x, point.y); }
 };
 
-/// (x_k, y_k), but for those that are not finite.
+/// (x_k, y_k), but for those that are not finite; of more than `most_points` those that a ThinnedLine keeps, no more.
 std::vector<Point> points_of(std::span<const double> x, std::span<const double> y);
+constexpr std::size_t most_points = 1000;
+/// A sentence for the caption of so many points, with a space before it; empty where all are drawn.
+inline std::string_view thinned_remark(std::size_t count) {
+  return count > most_points ? " Of many points those are drawn that bound the others." : "";
+}
 
 /// Items without end, kept in at most `capacity` buckets of `stride` items each, a power of 2: full, neighbours are
 /// joined. A bucket begins as one item and takes the next ones in by join().

@@ -51,11 +51,12 @@ bool has_stretch(const FitStudy& study, const Eigen::VectorXd& residual) {
   for (const MeasuredTrace& trace : study.traces) {
     const Eigen::Index m = std::ranges::count_if(trace.values, [](double value) { return !std::isnan(value); });
     const auto part = residual.segment(begin, m);
+    const double squares = part.squaredNorm();
     begin += m;
     for (Eigen::Index length = 2; 2 * length <= m; length *= 2)
       for (Eigen::Index at = 0; at + length <= m; at += length / 2) {
         const double sum = part.segment(at, length).sum(), size = static_cast<double>(length);
-        const double rest = (part.squaredNorm() - sum * sum / size) / static_cast<double>(m - 1);
+        const double rest = (squares - sum * sum / size) / static_cast<double>(m - 1);
         if (sum * sum / size > bound * std::max(rest, 1.0) && (!trace.assumed || std::abs(sum) > size)) return true;
       }
   }
