@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "characteristics/function_of_time.hpp"
+#include "dynamics/pieces.hpp"
 #include "input/input_text.hpp"
 #include "input/scene_values.hpp"
 #include "kept.hpp"
@@ -161,6 +162,12 @@ py::array_t<double> at_nodes(const PythonCase& self, Value value) {
   return values;
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> nodes_of_members(const Case& run) {
+  std::vector<std::pair<std::size_t, std::size_t>> nodes;
+  for (const Piece& piece : pieces_of(run.scene, run.mesh())) nodes.emplace_back(piece.first, piece.last());
+  return nodes;
+}
+
 py::array_t<double> load_at(const PythonCase& self, double t) {
   const auto& load = self.scene.run.scene.load;
   if (!load) return at_nodes(self, [](double) { return 0.0; });
@@ -219,6 +226,7 @@ void bind_cases(py::module_& m) {
 J is the number of elements, K that of the output times. Units are those of the scene.)")
       .def_property_readonly(
           "x", [](const PythonCase& self) { return at_nodes(self, [](double x) { return x; }); }, "Nodes, J+1.")
+      .def_property_readonly("members", value(&nodes_of_members), "First and last node of each bar in line.")
       .def_property_readonly(
           "t", [](const PythonCase& self) { return array_of(self.scene.run.output_times()); }, "Output times, K.")
       .def_property_readonly("elements", value([](const Case& run) { return run.elements; }), "J.")

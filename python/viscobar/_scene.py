@@ -286,6 +286,15 @@ def samples(name: str, places: Any, values: Any) -> dict[str, np.ndarray]:
     return {_place_of(name): parts[0], "values": parts[1]}
 
 
+def _once(nodes: np.ndarray, values: Any) -> tuple[Any, Any]:
+    """Places and values without those that the next node of a joint has as well."""
+    values = np.ma.asarray(values)
+    if values.ndim != 1 or np.all(np.diff(nodes)):
+        return nodes, values
+    once = np.r_[True, (np.diff(nodes) != 0) | (values[1:] != values[:-1]).filled(True)]
+    return nodes[once], values[once]
+
+
 def _place_of(name: str) -> str:
     return "x" if name.startswith(("initial.", "bar.")) or name == "load.profile" else "t"
 
@@ -294,8 +303,25 @@ def to_toml(scene: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """The text of a scene, and its Python functions by their keys."""
     text, functions, nodal = _text_and_functions(scene, None)
     if nodal:  # the mesh is that of the scene without them
-        text, functions, _ = _text_and_functions(scene, _core.parse(text, "", functions).x)
+        case = _core.parse(text, "", functions)
+        text, functions, _ = _text_and_functions(_by_members(scene, case), case.x)
     return text, functions
+
+
+def _by_members(scene: Mapping[str, Any], case: _core.Case) -> Mapping[str, Any]:
+    """The scene with its initial values at nodes given to each bar in line by itself: nodes of a joint share a place."""
+    if len(case.members) < 2 or "initial" not in scene:
+        return scene
+    bars, initial = [dict(bar) for bar in scene["bar"]], dict(scene["initial"])
+    for leaf, row in scene["initial"].items():
+        if not is_row(row) or len(row) != len(case.x):
+            continue
+        del initial[leaf]
+        for bar, (first, last) in zip(bars, case.members):
+            own = {"x": case.x[first : last + 1] - case.x[first], "values": row[first : last + 1], "outside": "hold"}
+            if bar.get(leaf) is None:
+                bar[leaf] = row[first] if first == last else own
+    return {**scene, "bar": bars, "initial": initial}
 
 
 def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> tuple[str, dict[str, Any], bool]:
@@ -313,7 +339,7 @@ def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> t
             if len(value) != len(nodes):
                 raise SceneError([Finding(name, f"has {len(value)} values for the {len(nodes)} nodes of the mesh",
                                           "places of its own are given as a pair of arrays, (places, values)")])  # fmt: skip
-            value = (nodes, value)
+            value = _once(nodes, value)
         if is_sampled(value) and (_may_be_sampled(name) or not all(isinstance(part, str) for part in value)):
             return f"{_key(key)} = {_value(name, samples(name, *value))}\n"
         if isinstance(value, Mapping) and _may_be_sampled(name) and {_place_of(name), "values"} <= value.keys():

@@ -91,6 +91,8 @@ SpaceFunction along(std::vector<Member> chain, SpaceFunction Member::*own) {
       if (!member.rigid() && (x > begin || at->rigid())) at = &member, begin_of = begin;
       begin += member.bar.length;
     }
+    if (x <= 0.0) at = &chain.front();
+    if (x >= begin && chain.back().rigid()) at = &chain.back(), begin_of = begin;
     return (at->*own)(x - begin_of);
   };
 }

@@ -213,7 +213,7 @@ void check_members(const Case& run, Findings& findings) {
     if (m + 1 == chain.size()) break;
     const Joint& joint = member.joint;
     const double apart = chain[m + 1].displacement(0.0) - member.displacement(member.bar.length);
-    if (joint.kind == JointKind::contact && apart + joint.gap < 0.0)
+    if (joint.kind == JointKind::contact && Obstacle{.gap = joint.gap}.passed_by(apart))
       findings.report(joint_key(m + 1, "gap"), "is {}, and the initial displacements overlap there by {}", joint.gap,
                       -apart);
     if (joint.kind == JointKind::bonded && std::abs(apart) > 1e-9 * run.scene.bar.length)
@@ -289,7 +289,7 @@ void check_initial_nodes(const Case& run, Findings& findings) {
     const double x = mesh.node(j), u = run.scene.displacement(x), v = run.scene.velocity(x);
     if (!std::isfinite(u))
       findings.report("initial.displacement", "is {} at x = {}", printable(u), x);
-    else if (span && span->depth(u) > 0.0)
+    else if (span && span->passed_by(u))
       findings.report("initial.displacement", "penetrates the obstacle of [span]: u_0({}) = {} {}", x, u,
                       bound_text(*span, u));
     if (!std::isfinite(v)) findings.report("initial.velocity", "is {} at x = {}", printable(v), x);

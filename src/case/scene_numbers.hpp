@@ -13,7 +13,7 @@ namespace viscobar {
 double* number_of(Bar& bar, Scene& scene, std::string_view key);
 /// The same of a member of a chain, such as bar.2.modulus or joint.1.gap.
 double* number_of(std::vector<Member>& chain, std::string_view key);
-/// A function of its members as one of x along it, at a joint that of the left one.
+/// A function of its members as one of x along it, at a joint that of the left bar, at an end that of the end's member.
 SpaceFunction along(std::vector<Member> chain, SpaceFunction Member::*own);
 /// Number and leaf of a key of a member: 2, "modulus" of "bar.2.modulus" and the table "bar"; absent: it is none.
 std::optional<std::pair<std::size_t, std::string_view>> member_key(std::string_view table, std::string_view key);

@@ -318,6 +318,13 @@ std::shared_ptr<const Series> SceneEntries::series(std::string_view key) const {
   return found == series_.end() || faulty(key) ? nullptr : found->second;
 }
 
+std::vector<std::string> SceneEntries::series_keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, series] : series_)
+    if (!faulty(key)) keys.push_back(key);
+  return keys;
+}
+
 SceneValue SceneEntries::described(std::string_view key) const {
   if (series(key)) {
     SceneTable table = std::get<SceneTable>(value(key));

@@ -49,7 +49,6 @@ class SceneEntries {
     return next != entries_.end() && next->first.starts_with(prefix);
   }
   bool faulty(std::string_view key) const { return faulty_.contains(key); }
-  bool sound() const { return found_.empty(); }
   bool sound(std::string_view key) const { return present(key) && !faulty(key); }
   std::vector<std::string> faulty_keys() const { return {faulty_.begin(), faulty_.end()}; }
 
@@ -61,7 +60,8 @@ class SceneEntries {
   std::vector<double> numbers(std::string_view key) const;    ///< empty where the key is absent
   /// The series that is the value of a key; null where the value is none.
   std::shared_ptr<const Series> series(std::string_view key) const;
-  Units units() const;  ///< those that the scene names
+  std::vector<std::string> series_keys() const;  ///< whose values are series
+  Units units() const;                           ///< those that the scene names
   /// The value of a key that is there and sound as results describe it: the file of a series by its whole name and with
   /// a checksum.
   SceneValue described(std::string_view key) const;

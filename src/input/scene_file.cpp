@@ -231,19 +231,21 @@ void check_load_values(SceneEntries& entries, const Mesh& mesh) {
 
 // A series says what the whole run asks for.
 void check_series(SceneEntries& entries, const Case& run) {
-  for (const SceneKey& key : scene_keys()) {
-    const auto series = entries.series(key.name);
-    if (!series || std::get<SceneTable>(entries.value(key.name)).contains("outside")) continue;
-    const bool in_time = key.variables == "t";
-    const double last = in_time ? run.end : run.scene.bar.length;
-    if (entries.faulty(in_time ? "time.end" : "bar.length")) continue;
+  for (const std::string& name : entries.series_keys()) {
+    const SceneKey& key = *find_scene_key(name);
+    const auto series = entries.series(name);
+    if (std::get<SceneTable>(entries.value(name)).contains("outside")) continue;
+    const bool in_time = key.variables == "t", of_member = is_member_key(name);
+    const std::string length = of_member ? fmt::format("{}.length", table_of(name)) : "bar.length";
+    if (entries.faulty(in_time ? "time.end" : length) || (of_member && !entries.present(length))) continue;
+    const double last = in_time ? run.end : of_member ? *entries.number(length) : run.scene.bar.length;
     if (series->first() > 0.0 || series->last() < last)
-      entries.report(key.name,
+      entries.report(name,
                      "has values from {0} = {1} to {2}, and the {3} from 0 to {4}; outside = \"hold\" goes on with the "
                      "first and the last value, \"zero\" with 0",
                      key.variables, series->first(), series->last(), in_time ? "run goes" : "bar is", last);
     else if (constexpr double far = 100.0; in_time && series->last() > far * last)  // as of data of a fit
-      entries.report(key.name,
+      entries.report(name,
                      "has values up to t = {:.6g}, and the run ends at {:.6g}: are they in different units, such as "
                      "milliseconds and seconds? If they are not, outside = \"hold\" takes the beginning",
                      series->last(), last);
@@ -340,7 +342,7 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Setup& s
                    entries.given("contact.restitution"),
                    entries.given("method.relative_tolerance"),
                    entries.given("method.step")};
-  if (entries.sound())
+  if (entries.diagnostics().empty())
     if (const auto found = fault(request, setup)) entries.report(found->key, found->problem);
   return request;
 }
@@ -388,7 +390,7 @@ SceneFile checked_scene(SceneEntries& entries, const Adaptation& adapt, Telling 
     if (has_bar) {
       Setup setup = validated_setup(entries, adapt);
       scene.accuracy = accuracy_of(entries, setup);
-      if (entries.sound() && telling == Telling::values) {
+      if (entries.diagnostics().empty() && telling == Telling::values) {
         scene.values = describe(entries, setup.run);
         scene.chosen = choose(entries, setup);
       }

@@ -72,7 +72,7 @@ void check_end(std::vector<Finding>& findings, const std::string& table, const S
   if (!obstacle) return;
   require(findings, obstacle->side != Side::both, table + ".side",
           "is \"both\", which only a span can be; an end has one obstacle, below or above");
-  if (obstacle->depth(u) > 0.0)
+  if (obstacle->passed_by(u))
     findings.push_back({"initial.displacement", fmt::format("penetrates the obstacle of [{}]: u_0({}) = {} {}", table,
                                                             x, u, bound_text(*obstacle, u))});
 }

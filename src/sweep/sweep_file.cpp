@@ -42,7 +42,12 @@ class SweepReader {
       report("", bar->key_at, "this is a scene; a sweep names one, scene = \"...\", and has a table [vary]");
       throw SceneError(std::move(found_));
     }
-    for (const TomlNode& entry : root.inside) top_level(entry);
+    const auto is_table = [](const TomlNode& entry) { return entry.kind == TomlNode::Kind::table; };
+    for (const TomlNode& entry : root.inside)
+      if (!is_table(entry)) top_level(entry);
+    find_parameters(root);
+    for (const TomlNode& entry : root.inside)
+      if (is_table(entry)) top_level(entry);
     if (!has("scene")) report("scene", end_, "is missing: the scene file, relative to this one");
     if (!has("vary")) report("vary", end_, "is missing: a table [vary] with a list or a range for each varied key");
     check_command_line();
@@ -142,6 +147,19 @@ class SweepReader {
     }
   }
 
+  // Formulas in [set] and [vary] may use those of the scene, and those that are given there themselves.
+  void find_parameters(const TomlNode& root) {
+    const std::vector<Setting> settings(overrides_.begin(), overrides_.end());
+    parameters_ = SceneEntries(sweep_.scene_text, sweep_.scene_source, settings).parameters();
+    for (const char* table : {"set", "vary"})
+      if (const TomlNode* node = entry_of(root, table))
+        for (const TomlNode& inside : node->inside) {
+          if (is_parameter(inside.key)) parameters_.emplace(parameter_name(inside.key), 1.0);
+          if (inside.key == "parameters")
+            for (const TomlNode& one : inside.inside) parameters_.emplace(one.key, 1.0);
+        }
+  }
+
   // "table.key" may be one quoted name, or two with a dot, or a table of its own.
   void scene_key(const TomlNode& node, const std::string& before, bool varied) {
     const std::string name = before.empty() ? node.key : before + "." + node.key;
@@ -162,8 +180,8 @@ class SweepReader {
       return report(name, node.key_at, "is given twice: in [set], or in [vary]");
     if (!varied) return setting(named, node);
     const std::size_t before_count = found_.size();
-    sweep_.plan.keys.push_back(
-        varied_key(named, node, [&](TextPosition at, const std::string& message) { report(name, at, message); }));
+    sweep_.plan.keys.push_back(varied_key(
+        named, node, parameters_, [&](TextPosition at, const std::string& message) { report(name, at, message); }));
     if (found_.size() != before_count) faulty_ = true;
   }
 
@@ -172,14 +190,19 @@ class SweepReader {
       sweep_.settings.push_back(std::pair(std::string(key.name), SceneValue(*series)));
       return;
     }
-    const std::string problem = node.kind == TomlNode::Kind::plain
-                                    ? problem_with(key, node.value)
+    const bool is_list = key.type == KeyType::list || key.type == KeyType::numbers;
+    const std::string problem = node.kind == TomlNode::Kind::plain || is_list
+                                    ? problem_with(key, node.value, parameters_)
                                     : fmt::format("must be one value, is {}", kind_of(node.value));
     if (!problem.empty()) return report(std::string(key.name), node.value_at, problem);
+    if (is_list)
+      return sweep_.settings.push_back(std::pair(
+          std::string(key.name), key.type == KeyType::list ? SceneValue(std::get<std::vector<std::string>>(node.value))
+                                                           : SceneValue(*numbers_of(node.value))));
     TomlNode list;
     list.kind = TomlNode::Kind::array;
     list.inside = {node};
-    const SweepPlan one{{varied_key(key, list, [](TextPosition, const std::string&) {})}, Combine::grid};
+    const SweepPlan one{{varied_key(key, list, parameters_, [](TextPosition, const std::string&) {})}, Combine::grid};
     sweep_.settings.push_back(one.settings(0).front());
   }
 
@@ -216,6 +239,7 @@ class SweepReader {
   std::string source_;
   std::vector<std::string> overrides_;
   SweepFile sweep_;
+  Parameters parameters_;
   TextPosition end_, ensemble_;
   std::set<std::string> seen_;
   bool faulty_ = false;
@@ -223,7 +247,8 @@ class SweepReader {
 };
 
 // A case is read on a coarse mesh: its initial data are then checked at a few nodes, by the worker at all, and a sweep
-// of large bars is planned as fast as one of small ones. @throws SceneError
+// of large bars is planned as fast as one of small ones. What the coarse mesh refuses, its own may take: a short bar of
+// a chain, a section that varies fast. @throws SceneError
 double cost_of(const std::string& scene_text, const std::string& source, const SweepCase& one) {
   constexpr std::size_t coarse = 32;
   std::size_t elements = 0;
@@ -231,8 +256,14 @@ double cost_of(const std::string& scene_text, const std::string& source, const S
     elements = read.elements;
     read.elements = std::min(read.elements, coarse);
   };
-  Case run = parse_scene_with(scene_text, source, one.settings, coarsen, Telling::nothing).run;
-  run.elements = elements;
+  Case run;
+  try {
+    run = parse_scene_with(scene_text, source, one.settings, coarsen, Telling::nothing).run;
+    run.elements = elements;
+  } catch (const SceneError&) {
+    if (elements <= coarse) throw;
+    run = parse_scene_with(scene_text, source, one.settings, {}, Telling::nothing).run;
+  }
   return estimated_seconds(resolve(std::move(run)));
 }
 
@@ -268,9 +299,7 @@ void heed_scene(SweepFile& sweep) {
   sweep.plan.joints = std::max<std::size_t>(entries.members("bar"), 1) - 1;
   sweep.units = entries.units();
   // Workers do not know where the scene lies, and read its measured series as they are now.
-  for (const SceneKey& key : scene_keys())
-    if (entries.series(key.name))
-      sweep.settings.push_back(std::pair(std::string(key.name), entries.described(key.name)));
+  for (const std::string& key : entries.series_keys()) sweep.settings.push_back(std::pair(key, entries.described(key)));
   sweep.plan.accuracy = entries.present("accuracy.error") ||
                         std::ranges::find(sweep.plan.keys, "accuracy.error", &VariedKey::key) != sweep.plan.keys.end();
 }

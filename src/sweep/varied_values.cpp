@@ -159,11 +159,11 @@ std::string instead_of(std::string_view word, std::span<const std::string_view> 
   return nearest ? fmt::format("nearest is \"{}\"", *nearest) : fmt::format("known are {}", fmt::join(known, ", "));
 }
 
-VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& report) {
+VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Parameters& parameters, const Report& report) {
   std::vector<TomlValue> values;
   bool sound = true;
   const auto add = [&](const TomlValue& value, TextPosition at) {
-    const std::string problem = problem_with(key, value);
+    const std::string problem = problem_with(key, value, parameters);
     if (std::holds_alternative<SceneTable>(value)) {
       report(
           at,

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "input/formula.hpp"
 #include "input/scene_keys.hpp"
 #include "input/toml_text.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -26,7 +27,7 @@ std::string instead_of(std::string_view word, std::span<const std::string_view> 
 ///     { from, to, per_decade }                so many a decade, whole decades from `from` exact
 ///
 /// of numbers; of a key that takes whole numbers they are rounded, and equal ones are taken once.
-/// Empty after a report.
-VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Report& report);
+/// Formulas may use `parameters`. Empty after a report.
+VariedKey varied_key(const SceneKey& key, const TomlNode& node, const Parameters& parameters, const Report& report);
 
 }  // namespace viscobar

@@ -97,6 +97,51 @@ TEST(ChainInput, NamesEachMistakeByItsBar) {
        "joints: unknown table; those of which there may be several are [[bar]]");
 }
 
+TEST(ChainInput, ASeriesReachesOverTheBarThatItIsOf) {
+  const std::string series = "={ x = [0, 1.2], values = [1, 2] }";
+  for (const std::string key : {"section", "displacement", "velocity"}) {
+    EXPECT_EQ(complaint(pair, {"bar.1." + key + series, "joint.1.gap=9"}), "") << key;
+    EXPECT_NE(complaint(pair, {"bar.2." + key + series, "joint.1.gap=9"})
+                  .find("bar.2." + key + ": has values from x = 0 to 1.2, and the bar is from 0 to 1.5"),
+              std::string::npos)
+        << key;
+  }
+}
+
+// Its node shares its place with that of the bar beside it.
+TEST(ChainInput, ARigidBodyAtAnEndMeetsTheObstacleThereByItsOwnDisplacement) {
+  for (const bool right : {false, true}) {
+    const std::string body = "[[bar]]\nmass = 1\n", bar = "[[bar]]\nlength = 1\n";
+    const std::string text = (right ? bar + body : body + bar) +
+                             "[[joint]]\nkind = \"contact\"\ngap = 0.2\n[time]\nend = 1\n[initial]\nvelocity = 1\n" +
+                             (right ? "[right]\nside = \"above\"\n" : "[left]\n") + "kind = \"obstacle\"\ngap = 0.05\n";
+    const auto with = [&](const char* of_body, const char* of_bar) {
+      return complaint(text, {std::string(right ? "bar.2" : "bar.1") + ".displacement=" + of_body,
+                              std::string(right ? "bar.1" : "bar.2") + ".displacement=" + of_bar});
+    };
+    EXPECT_NE(with(right ? "0.08" : "-0.08", "0").find("penetrates the obstacle"), std::string::npos) << right;
+    EXPECT_EQ(with("0", right ? "0.08" : "-0.08"), "") << right;
+  }
+}
+
+TEST(ChainInput, DisplacementsMayTouchToARounding) {
+  EXPECT_EQ(complaint(pair, {"bar.1.displacement=0.3", "bar.2.displacement=0.24999999999999997"}), "");
+  EXPECT_NE(complaint(pair, {"bar.1.displacement=0.3", "bar.2.displacement=0.2499999"}), "");
+  EXPECT_EQ(complaint(pair, {"left.kind=obstacle", "left.gap=0.1", "bar.1.displacement=-0.10000000000000002"}), "");
+  EXPECT_NE(complaint(pair, {"left.kind=obstacle", "left.gap=0.1", "bar.1.displacement=-0.1000001"}), "");
+}
+
+TEST(ChainInput, ScenesDifferInTheirProblemAndNotInTheirMesh) {
+  const auto differ = [](const char* setting) {
+    const std::vector<std::string> settings = {setting};
+    return differing_tables(complete(parse_scene(pair, "s")), complete(parse_scene(pair, "s", settings)));
+  };
+  EXPECT_EQ(differ("joint.1.gap=0.06"), "[joint]");
+  EXPECT_EQ(differ("contact.restitution=0.5"), "[contact]");
+  EXPECT_EQ(differ("parameters.a=1"), "[parameters]");
+  EXPECT_EQ(differ("mesh.elements=60"), "");
+}
+
 TEST(ChainInput, ACheckForetellsWhenAJointCloses) {
   for (const char* method : {"cvode", "arkode", "ida", "odeint", "exponential", "rigid"}) {
     const std::vector<std::string> settings = {fmt::format("method.name={}", method)};

@@ -18,6 +18,21 @@ TEST(DescribedScene, IsTheSceneAgainForEveryExample) {
   EXPECT_GE(scenes, 5u);
 }
 
+// Each method has a mass of its own there, and a scene of finite_difference would be refused with that of the others.
+TEST(DescribedScene, OfAComparisonOfMethodsLeavesOpenWhatWasChosen) {
+  const auto case_of = [](const std::string& study) {
+    return parse_scene("{" + study + R"("chosen": {"mesh": {"mass": "redistributed"}}, "scene": {"bar": {"length": 1},
+      "left": {"kind": "obstacle", "gap": 0.1}, "initial": {"velocity": -1}, "time": {"end": 1},
+      "mesh": {"elements": 20, "mass": "redistributed"}, "method": {"name": "cvode"}, "contact": {"epsilon": 1e-3}}})",
+                       "study.json")
+        .run;
+  };
+  for (const char* study : {R"("pairs": [], )", R"("parts": [], )"}) {
+    EXPECT_FALSE(case_of(study).mass) << study;
+    EXPECT_EQ(case_of(study).elements, 20u) << study;
+  }
+}
+
 TEST(DescribedScene, KeepsEveryCharacterAndEveryDigit) {
   const char* text = R"toml(
 title = "quotes \" backslashes \\ tabs \t lines \n bells \u0007 deletes \u007F beams \u2261 and \U0001F600"

@@ -39,6 +39,26 @@ class KeysTest(Test):
         self.assertTrue(np.array_equal(ours.u, viscobar.run(chain().changed(settings)).u))
         self.assertEqual(chain()["bar"][1].get("modulus"), None)
 
+    def test_of_chains_begin_at_nodes_where_a_run_has_ended(self):
+        # Bonded, and a body and a bar that share a place and move apart.
+        scene = chain(
+            bar=[{"length": 1.0, "viscosity": 0.05}, {"length": 0.5, "viscosity": 0.05, "modulus": 2.0}, {"mass": 0.5}],
+            joint=[{"kind": "bonded"}, {"kind": "spring", "stiffness": 2.0}],
+            initial={"velocity": "cos(2*x)"},
+            mesh={"elements": 60},
+            method={"name": "rigid", "relative_tolerance": 1e-9},
+        )
+        whole = viscobar.run(scene, times=[1.5, 3.0])
+        rest = scene.changed({"initial.displacement": whole.u[0], "initial.velocity": whole.v[0], "time.end": 1.5})
+        second = viscobar.run(rest, times=[0.0, 1.5])
+        self.assertLess(np.abs(second.u[0] - whole.u[0]).max(), 1e-15)
+        self.assertLess(np.abs(second.u[-1] - whole.u[-1]).max(), 1e-5)
+
+    def test_of_chains_take_a_profile_at_nodes(self):
+        scene = chain(load={"profile": "1+x", "history": 1.0})
+        run = viscobar.run(scene)
+        self.assertLess(np.abs(viscobar.run(scene, set={"load.profile": 1 + run.x}).u - run.u).max(), 1e-9)
+
     def test_of_chains_are_told_wrong_in_the_words_of_the_program(self):
         for settings, words in (
             ({"bar.4.modulus": 2.0}, "bar.4: there are 2 tables [[bar]]"),

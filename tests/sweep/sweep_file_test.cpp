@@ -139,6 +139,44 @@ TEST_F(SweepFileTest, FormulasAndNumbersMayStandInOneList) {
             (std::vector<std::string>{"-1", "-x*(1-x)", "0.5"}));
 }
 
+TEST_F(SweepFileTest, FormulasMayUseTheParametersOfTheSceneAndOfTheSweep) {
+  write("scene.toml", scene + "[parameters]\na = 1\n");
+  EXPECT_EQ(
+      faults("scene = \"scene.toml\"\n[set]\nleft.gap = \"b+0.1*t\"\n[vary]\ninitial.velocity = [\"-a\", \"b*x\"]\n"
+             "parameters.b = [1.5, 2]\n"),
+      std::vector<std::string>{});
+}
+
+TEST_F(SweepFileTest, ListsAreSetForAllCases) {
+  const SweepFile sweep = read(
+      "scene = \"scene.toml\"\n[set]\nmesh.elements = 2\nmesh.nodes = [0, 0.3, 1]\noutput.write = [\"ends\"]\n[vary]\nleft.gap = [0.1, 0.2]\n");
+  const Case run = parse_scene_with(sweep.scene_text, "scene", case_of(sweep, 1).settings).run;
+  EXPECT_EQ(run.mesh().node(1), 0.3);
+  EXPECT_TRUE(run.files.ends && !run.files.field);
+}
+
+// Two elements a bar would be left on the coarse mesh.
+TEST_F(SweepFileTest, ACaseThatACoarseMeshWouldRefuseIsSound) {
+  std::string chain;
+  for (int k = 0; k < 14; ++k) chain += "[[bar]]\nlength = 1\n";
+  write("scene.toml",
+        chain + "[initial]\nvelocity = 1\n[time]\nend = 1\n[mesh]\nelements = 100\nmass = \"fourth_order\"\n");
+  const std::string sweep = "scene = \"scene.toml\"\n[vary]\nbar.2.viscosity = [0.1, 0.2]\n";
+  EXPECT_EQ(faults(sweep), std::vector<std::string>{});
+  for (const double cost : plan_cases(read(sweep))) EXPECT_GT(cost, 0.0);
+}
+
+TEST_F(SweepFileTest, AMeasuredSeriesOfABarInLineIsFoundBesideItsScene) {
+  fs::create_directory(scratch_ / "below");
+  write("below/section.csv", "x,A\n0,1\n0.5,1.2\n1,1.5\n");
+  write("below/scene.toml",
+        "[[bar]]\nlength = 1\nsection = { file = \"section.csv\", column = \"A\" }\n[[bar]]\nlength = 1\n"
+        "[initial]\nvelocity = 1\n[time]\nend = 1\n");
+  const SweepFile sweep = read("scene = \"below/scene.toml\"\n[vary]\nbar.2.viscosity = [0.1, 0.2]\n");
+  const auto row = run_case(sweep.scene_text, case_of(sweep, 0));
+  EXPECT_TRUE(row && row->completed) << row->error;
+}
+
 TEST_F(SweepFileTest, ErrorsVaryAsNumbersPercentagesOrBoth) {
   EXPECT_EQ(values<double>("accuracy.error", "[0.01, 2e-3]"), (std::vector<double>{0.01, 2e-3}));
   EXPECT_EQ(values<double>("accuracy.error", "{ from = 1e-2, to = 1e-3, per_decade = 1 }"),

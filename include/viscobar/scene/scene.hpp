@@ -55,6 +55,8 @@ struct Obstacle {
   double depth(double u) const {
     return side == Side::both ? (u < 0.0 ? -u : u) - gap : side == Side::below ? -u - gap : u - gap;
   }
+  /// True where that is more than a rounding, which the end of a run in contact has, where another one may begin.
+  bool passed_by(double u) const { return depth(u) > 1e-12 * std::abs(u); }
 };
 
 /// The condition at an end of the bar; src/scene/end_kinds.hpp has a row for each alternative.
