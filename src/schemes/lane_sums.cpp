@@ -27,7 +27,6 @@ template <class Value, class Join, class Finish>
   for (std::size_t e = 1; e < last; ++e)
     joined[e] = join(value([i = at_i[e]](const double* x) { return x[i]; }),
                      value([j = at_j[e]](const double* x) { return x[j]; }));
-  const Lanes but_last([](auto lane) { return lane + 1 < lane_count ? 1.0 : 0.0; });
   const auto sums = [&](auto&& of_row, auto&& of_edge) __attribute__((always_inline)) {
     const auto row = [&](std::size_t k) {
       return value([at = order_.row(k)](const double* x) { return load_lanes(x + at); });
@@ -42,7 +41,9 @@ template <class Value, class Join, class Finish>
     }
     if (even) {  // `here` is the nodes between lanes; the one behind the last lane has none behind it
       const auto next = value([at = order_.first + 1](const double* x) { return load_lanes(x + at); });
-      of_rows += but_last * of_row(1, finish(join(here, next)));
+      Lanes terms = of_row(1, finish(join(here, next)));
+      change_lanes(terms, [](auto& lanes) { lanes.back() = 0.0; });
+      of_rows += terms;
     }
     return sum_by_lanes(last - 1, [&, x = joined + 1](auto&& at) { return of_edge(at, finish(at(x))); }) +
            sum_of(of_rows);
