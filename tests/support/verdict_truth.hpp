@@ -13,7 +13,7 @@ struct KnownVerdict {
 };
 
 /// S(0) is taken from steps much smaller than a study's. P(0) is the rigid limit of massless nodes. Nodes with mass are
-/// run at epsilon = 1e-10 L/E by matrix exponentials, on more than 100 elements at 1e-9 by cvode: the scheme of
+/// run at epsilon = 1e-10 min(1, L/E) by matrix exponentials, on more than 100 elements at 1e-9 by cvode: the scheme of
 /// restitution 1 would need steps of a thousandth of the first bounce.
 inline KnownVerdict known_verdict(const VerdictScene& scene) {
   Case run = scene.run;
@@ -26,7 +26,7 @@ inline KnownVerdict known_verdict(const VerdictScene& scene) {
     limit.method = MethodName::rigid;
   } else {
     limit.method = run.elements <= 100 ? MethodName::exponential : MethodName::cvode;
-    limit.epsilon = (run.elements <= 100 ? 1e-10 : 1e-9) * run.scene.bar.length / run.scene.bar.modulus;
+    limit.epsilon = (run.elements <= 100 ? 1e-10 : 1e-9) * std::min(1.0, run.scene.bar.length / run.scene.bar.modulus);
   }
   KnownVerdict known;
   if (run.scene.span && run.elements > 100) {  // takes an hour
