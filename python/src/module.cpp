@@ -115,7 +115,7 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
   const auto faults = std::make_shared<Faults>();
   const auto function = [&](const char* key) { return Function(functions[key], key, faults); };
   const auto adapt = [&](Case& run) {
-    // Of bars in line it is that of those for which the package has named it: they have none of their own.
+    // A chain takes it for the bars that the package has named, which have none of their own.
     const auto put = [&](const std::string& leaf, SpaceFunction& data, SpaceFunction Member::*own) {
       const std::string key = "initial." + leaf;
       if (!functions.contains(key)) return;
