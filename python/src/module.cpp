@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include "case/scene_numbers.hpp"
 #include "characteristics/function_of_time.hpp"
 #include "dynamics/pieces.hpp"
 #include "input/input_text.hpp"
@@ -114,13 +115,20 @@ PythonCase parse(const std::string& text, const std::string& source, const py::d
   const auto faults = std::make_shared<Faults>();
   const auto function = [&](const char* key) { return Function(functions[key], key, faults); };
   const auto adapt = [&](Case& run) {
-    const auto put = [&](const char* key, SpaceFunction& data, Places& places) {
+    // A chain takes it for the bars that the package has named, which have none of their own.
+    const auto put = [&](const std::string& leaf, SpaceFunction& data, SpaceFunction Member::*own) {
+      const std::string key = "initial." + leaf;
       if (!functions.contains(key)) return;
-      data = function(key);
-      places = {};
+      data = function(key.c_str());
+      std::vector<Member>& chain = run.scene.chain;
+      double begin = 0.0;
+      for (std::size_t k = 0; k < chain.size(); begin += chain[k++].bar.length)
+        if (functions.contains(fmt::format("bar.{}.{}", k + 1, leaf)))
+          chain[k].*own = [whole = function(key.c_str()), begin](double x) { return whole(begin + x); };
+      if (!chain.empty()) data = along(chain, own);
     };
-    put("initial.displacement", run.scene.displacement, run.scene.displacement_places);
-    put("initial.velocity", run.scene.velocity, run.scene.velocity_places);
+    put("displacement", run.scene.displacement, &Member::displacement);
+    put("velocity", run.scene.velocity, &Member::velocity);
     put_load(run, functions, function);
     put_ends(run, functions, function);
     // Directions are taken again: Python functions are no formulas, and know no parameters.

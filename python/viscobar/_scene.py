@@ -362,6 +362,11 @@ def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> t
             tables += "".join(f"[[{_key(name)}]]\n{lines(one, f'{name}.{k}')}" for k, one in enumerate(table, 1))
         elif table is not None:
             top += line(name, table)
+    bars = scene.get("bar")
+    for leaf in ("displacement", "velocity"):
+        if f"initial.{leaf}" in functions and isinstance(bars, (list, tuple)):
+            own = functions[f"initial.{leaf}"]
+            functions |= {f"bar.{k}.{leaf}": own for k, bar in enumerate(bars, 1) if bar.get(leaf) is None}
     return top + tables, functions, nodal
 
 

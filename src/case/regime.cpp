@@ -130,16 +130,30 @@ StopForecast lone_mass(double mass, const Stop& stop, double speed) {
 
 }  // namespace
 
-StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed) {
-  StopForecast whole = lone_mass(end_mass + bar.density * bar.length, stop, speed);
-  const double pressed = bar.impedance() * speed;
-  double shallow = 0.0, deep = whole.penetration;
-  while (deep - shallow > 1e-3 * deep)
-    (stop.force(0.5 * (shallow + deep), 0.0) < pressed ? shallow : deep) = 0.5 * (shallow + deep);
-  const StopForecast alone = end_mass > 0.0 ? lone_mass(end_mass, stop, speed) : StopForecast{};
-  whole.penetration = std::max(alone.penetration, std::min(whole.penetration, deep));
-  whole.force = std::max(alone.force, std::min(whole.force, pressed));
-  return whole;
+StopForecast forecast(const EndBar& end, double end_mass, double node_mass, const Stop& stop, double speed) {
+  const auto& [bar, spacing] = end;
+  StopForecast found = lone_mass(end_mass + bar.density * bar.length, stop, speed);
+  double shallow = 0.0, deep = found.penetration;
+  const auto as_penalty = [&](double depth) {
+    return predict_impact(bar, spacing, node_mass, depth / stop.force(depth, 0.0), speed).penetration;
+  };
+  for (int k = 0; k < 30 && as_penalty(deep) < deep; ++k) {
+    const double middle = 0.5 * (shallow + deep);
+    (as_penalty(middle) > middle ? shallow : deep) = middle;
+  }
+  if (deep < found.penetration) {
+    found.penetration = deep, found.force = 0.0;
+    for (int k = 0; k <= 20; ++k) {  // of an oscillator that comes to rest there
+      const double phase = 0.05 * k * 0.5 * std::numbers::pi;
+      found.force = std::max(found.force, stop.force(deep * std::sin(phase), speed * std::cos(phase)));
+    }
+  }
+  if (end_mass > 0.0) {
+    const StopForecast alone = lone_mass(end_mass, stop, speed);
+    found.penetration = std::max(found.penetration, alone.penetration);
+    found.force = std::max(found.force, alone.force);
+  }
+  return found;
 }
 
 EndBar end_bar(const BarSystem& system, bool right) {
@@ -177,7 +191,7 @@ std::vector<ContactRegime> contact_regimes(const Setup& setup, const BarSystem& 
     ContactRegime regime{.where = contact.where, .effective_mass = m};
     if (const auto& stop = system.stop(contact)) {
       regime.stop = stop;
-      if (v < 0.0) regime.forecast = forecast(whole, system.inputs()[right].mass, *stop, -v);
+      if (v < 0.0) regime.forecast = forecast({whole, h}, system.inputs()[right].mass, m, *stop, -v);
       regimes.push_back(regime);
       continue;
     }

@@ -42,8 +42,8 @@ struct ImpactPrediction {
 };
 
 /// The answer of a stop with a law of its own to a bar of the mass rho L that comes at a given speed, with the mass m
-/// of that end: of the lone masses m and m + rho L, whose motion is integrated, and of a long elastic bar, which
-/// presses with sqrt(E rho) V at most.
+/// of that end: of the lone masses m and m + rho L, whose motion is integrated, and of the bar on the penalty that is
+/// as stiff at that depth, by predict_impact().
 struct StopForecast {
   double speed = 0.0;          ///< V > 0
   double penetration = 0.0;    ///< about the deepest: that of m, or the less of the other two
@@ -51,8 +51,8 @@ struct StopForecast {
   double damping_ratio = 0.0;  ///< zeta of the lone mass m + rho L at its deepest, dN/dd' / (2 sqrt((m + rho L) dN/dd))
   double restitution = 0.0;    ///< speed that the law leaves to a lone mass m + rho L, as a part of V
 };
-/// @param bar of section 1, or whole_section() of another
-StopForecast forecast(const Bar& bar, double end_mass, const Stop& stop, double speed);
+/// @param node_mass effective mass of the end node
+StopForecast forecast(const EndBar& end, double end_mass, double node_mass, const Stop& stop, double speed);
 
 /// How a penalised contact behaves on its mesh, judged by the oscillator that its node is: mass m, spring k = w /
 /// epsilon, dashpot to the next node.

@@ -224,7 +224,10 @@ SceneFile with_settings(SceneFile scene, const Case& chosen) {
     scene.chosen.emplace_back("contact.epsilon", setup.epsilon);
   const auto set = [&](const char* key, SceneValue value) {
     auto at = std::ranges::find(values, key, &SceneValues::value_type::first);
-    if (at != values.end() && at->second == value) return;
+    const auto* row =
+        std::ranges::find(given_keys, key, &std::pair<std::string_view, bool AccuracyRequest::Given::*>::first);
+    const bool given = !scene.accuracy || row == std::end(given_keys) || scene.accuracy->given.*row->second;
+    if (given && at != values.end() && at->second == value) return;
     scene.chosen.emplace_back(key, value);
     at == values.end() ? void(values.emplace_back(key, value)) : void(at->second = value);
   };
@@ -241,6 +244,15 @@ SceneFile with_settings(SceneFile scene, const Case& chosen) {
   std::ranges::stable_sort(values, {}, [](const auto& one) { return rank(one.first); });
   scene.run = chosen;
   return scene;
+}
+
+void count_as_chosen(SceneFile& scene, std::span<const std::string> keys) {
+  for (const std::string& key : keys) {
+    if (const SceneValue* value = value_of(scene.values, key)) scene.chosen.emplace_back(key, *value);
+    scene.run.automatic = scene.run.automatic || key == "method.name";
+    for (const auto& [name, given] : given_keys)
+      if (scene.accuracy && key == name) scene.accuracy->given.*given = false;
+  }
 }
 
 }  // namespace viscobar

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "input/toml_text.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -42,8 +43,20 @@ TomlNode scene_tree(const std::string& text);
 /// The scene whose SceneFile::description() this is; `source` names it in diagnostics. @throws SceneError
 SceneFile described_scene(const std::string& description, const std::string& source);
 
+/// Settings that a scene with an error may give or leave to choose.
+inline constexpr std::pair<std::string_view, bool AccuracyRequest::Given::*> given_keys[] = {
+    {"mesh.elements", &AccuracyRequest::Given::elements},
+    {"mesh.mass", &AccuracyRequest::Given::mass},
+    {"method.name", &AccuracyRequest::Given::method},
+    {"contact.epsilon", &AccuracyRequest::Given::epsilon},
+    {"contact.restitution", &AccuracyRequest::Given::restitution},
+    {"method.relative_tolerance", &AccuracyRequest::Given::tolerance},
+    {"method.step", &AccuracyRequest::Given::step}};
+
 /// The same scene with the settings of another case of it: elements, mass, epsilon, restitution, method, tolerances and
 /// step. They count as chosen where the scene does not have them.
 SceneFile with_settings(SceneFile scene, const Case& chosen);
+/// Its settings that were read back as values of the scene count as chosen again.
+void count_as_chosen(SceneFile& scene, std::span<const std::string> keys);
 
 }  // namespace viscobar

@@ -335,13 +335,8 @@ std::optional<AccuracyRequest> accuracy_of(SceneEntries& entries, const Setup& s
   request.relative = share.has_value();
   request.error = share ? *share : text ? *number_in<double>(*text) : *entries.number("accuracy.error");
   request.of = chosen(entries, "accuracy.of", all_goals, request.of);
-  request.given = {entries.given("mesh.elements"),
-                   entries.given("mesh.mass"),
-                   entries.given("method.name") && !setup.run.automatic,
-                   entries.given("contact.epsilon"),
-                   entries.given("contact.restitution"),
-                   entries.given("method.relative_tolerance"),
-                   entries.given("method.step")};
+  for (const auto& [key, given] : given_keys) request.given.*given = entries.given(key);
+  if (setup.run.automatic) request.given.method = false;
   if (entries.diagnostics().empty())
     if (const auto found = fault(request, setup)) entries.report(found->key, found->problem);
   return request;

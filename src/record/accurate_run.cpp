@@ -125,9 +125,11 @@ RunRecord resume_to_accuracy(const SceneFile& scene, const std::filesystem::path
   if (!scene.accuracy) return resume_run(scene, directory, options, complain);
   RecordOptions own = options;
   own.estimate = [&](Outcome& outcome) {
-    // The checkpoint holds chosen settings as if they had been given. Earlier parts are in files only.
+    // Earlier parts of the run are in files only.
     estimate_into(outcome, *scene.accuracy, [&] {
-      accuracy::Plan plan(study_of(scene, options));
+      AccuracyStudy study = study_of(scene, options);
+      study.resumed = true;
+      accuracy::Plan plan(study);
       plan.next();
       return plan.judge();
     });

@@ -206,8 +206,8 @@ class RecordedRun {
       times.push_back(motion.time);
       ArchiveWriter archive;
       archive(data_, chatter_, pace_, outcome().warnings, outcome().changes);
-      write_checkpoint(
-          place_, {last_.description, last_.schedule, motion, files_->mark(), archive.take(), times, wall_seconds()});
+      write_checkpoint(place_, {last_.description, last_.chosen, last_.schedule, motion, files_->mark(), archive.take(),
+                                times, wall_seconds()});
       outcome().checkpoints = std::move(times);
     };
     clock_ ? clock_->make(write) : write();
@@ -280,16 +280,18 @@ RunRecord record_run(const SceneFile& scene, const fs::path& directory, const Re
   tell_if_unlocked(results, options);
   RunCheckpoint beginning;
   beginning.description = scene.description();
+  for (const auto& [key, value] : scene.chosen) beginning.chosen.push_back(key);
   beginning.schedule = options.checkpoint;
   return RecordedRun(scene, results, results.place_of_new_run(), options, std::move(beginning))();
 }
 
 SceneFile scene_of_checkpoint(const fs::path& directory) {
   settle_result_directory(directory);
-  const std::string description = read_checkpoint(place_of_stopped_run(directory)).checkpoint.description;
-  SceneFile scene = described_scene(description, directory.string());
-  if (scene.description() != description)
+  const RunCheckpoint found = read_checkpoint(place_of_stopped_run(directory)).checkpoint;
+  SceneFile scene = described_scene(found.description, directory.string());
+  if (scene.description() != found.description)
     throw IoError(directory, "the scene in the checkpoint is not understood as it was");
+  count_as_chosen(scene, found.chosen);
   return scene;
 }
 

@@ -28,4 +28,13 @@ std::string NumberText::operator()(double value, const UnitPowers& powers, int d
   return name.empty() ? number : fmt::format("{}{}{}", number, reader_ == For::page ? "\u00a0" : " ", name);
 }
 
+std::string NumberText::epsilon(double value, int digits) const {
+  UnitPowers along = *unit_powers("length / force");
+  const std::string name = unit(along), at_ends = (*this)(value, along, digits);
+  ++along[0];
+  return of_epsilon == UnitPowers{} && !name.empty()
+             ? fmt::format("{} at an end, {} along the span", at_ends, unit(along))
+             : (*this)(value, of_epsilon, digits);
+}
+
 }  // namespace viscobar

@@ -32,6 +32,9 @@ class NumberText {
     return heading(words, unit_powers(quantity));
   }
 
+  /// A penalty: "0.001 m/N", and both units where it acts at the ends and along the span.
+  std::string epsilon(double value, int digits) const;
+
   std::string unit(const UnitPowers& powers) const;  ///< empty where the scene does not name it
   UnitPowers unit_of(std::string_view key) const;    ///< of a key of the scene; of none where it has none
 

@@ -88,9 +88,9 @@ std::string model_html(const Scene& scene) {
       "Left end {}; right end {}",
       area, stress, side(scene.side && scene.side->stiffness, "k u"),
       side(scene.side && scene.side->drag, "c u<sub>t</sub>"), scene.load ? area : "", load, length,
-      varies ? "a section " + section_text(scene) + ", " : "", of_key("bar.density", bar.density),
-      of_key("bar.modulus", bar.modulus), damped ? ", <i>η</i> = " + of_key("bar.viscosity", bar.viscosity) : "", left,
-      right);
+      varies ? "a section " + section_text(scene, NumberText::For::page) + ", " : "",
+      of_key("bar.density", bar.density), of_key("bar.modulus", bar.modulus),
+      damped ? ", <i>η</i> = " + of_key("bar.viscosity", bar.viscosity) : "", left, right);
   for (const ObstacleLevel& level : levels_of(scene.span))
     text += fmt::format("; {} the whole span <i>u</i>\u00a0{}\u00a0{}", level.above ? "above" : "under",
                         level.above ? "≤" : "≥", number(level.u, Dimension::length, 4));

@@ -62,15 +62,16 @@ std::vector<std::string> inputs_text(const Scene& scene, const Bar& bar, const S
 namespace {
 
 // Least and largest of(f(x)) along the bar.
-std::string range_along(const Scene& scene, const SpaceFunction& f, const UnitPowers& unit, auto&& of) {
+std::string range_along(const Scene& scene, const NumberText& number, const SpaceFunction& f, const UnitPowers& unit,
+                        auto&& of) {
   constexpr int places = 200;
   double least = of(f(0.0)), most = least;
   for (int j = 1; j <= places; ++j) {
     const double value = of(f(scene.bar.length * j / places));
     least = std::min(least, value), most = std::max(most, value);
   }
-  const std::string last = NumberText::terminal(scene)(most, unit, 4);
-  return least == most ? last : fmt::format("{:.4g} to {}", least, last);
+  const std::string last = number(most, unit, 4);
+  return least == most ? last : fmt::format("{} to {}", number(least, 4), last);
 }
 
 }  // namespace
@@ -104,13 +105,14 @@ std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader
   return lines;
 }
 
-std::string section_text(const Scene& scene) {
-  return "A = " + range_along(scene, scene.section, UnitPowers{2, 0, 0, 0}, [](double area) { return area; });
+std::string section_text(const Scene& scene, NumberText::For reader) {
+  return "A = " +
+         range_along(scene, {reader, scene}, scene.section, UnitPowers{2, 0, 0, 0}, [](double area) { return area; });
 }
 
 std::string side_text(const Scene& scene) {
   const auto range = [&](const SpaceFunction& f, std::string_view unit, auto&& of) {
-    return range_along(scene, f, unit_powers(unit).value(), of);
+    return range_along(scene, NumberText::terminal(scene), f, unit_powers(unit).value(), of);
   };
   if (!scene.side) return "none";
   const SpaceFunction &stiffness = scene.side->stiffness, &drag = scene.side->drag;
@@ -259,7 +261,8 @@ void predict(ContactRegime& regime, const std::optional<Foresight>& foreseen, do
   const bool right = regime.where == Where::right;
   const auto [whole, h] = end_bar(system, right);
   if (regime.stop)
-    regime.forecast = forecast(whole, system.inputs()[right].mass, *regime.stop, first->speed);
+    regime.forecast =
+        forecast({whole, h}, system.inputs()[right].mass, regime.effective_mass, *regime.stop, first->speed);
   else
     regime.impact = predict_impact(whole, h, regime.effective_mass, epsilon, first->speed);
 }

@@ -38,7 +38,7 @@ std::string_view name(ImpactPrediction::Layer layer);
 std::string_view load_kind(const Scene& scene);
 /// The resistance along the bar, with the frequency and the decay that it gives to a bar that moves as a whole.
 std::string side_text(const Scene& scene);
-std::string section_text(const Scene& scene);
+std::string section_text(const Scene& scene, NumberText::For reader = NumberText::For::terminal);
 /// A line for each member of a chain: what it is, and how it hangs together with the next.
 std::vector<std::string> member_texts(const Scene& scene, NumberText::For reader = NumberText::For::terminal);
 /// Forces, motion and supports of an end, and their terms in the model, a sentence for each.

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "viscobar";
-constexpr std::uint64_t format = 3;
+constexpr std::uint64_t format = 4;
 constexpr std::size_t head_bytes = 3 * sizeof(std::uint64_t), checksum_bytes = sizeof(std::uint64_t);
 
 constexpr const char *newest = "checkpoint.bin", *previous = "checkpoint.previous.bin";

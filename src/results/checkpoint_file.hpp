@@ -18,7 +18,8 @@ void members(Like<CheckpointEvery> auto& every, auto&& each) { each(every.clock,
 /// All that a recorded run needs to go on: the scene as understood, the motion, how much of each growing file belongs
 /// to it, and what the report and the summary have collected. At the beginning of a run there is a scene only.
 struct RunCheckpoint {
-  std::string description;  ///< of the scene
+  std::string description;          ///< of the scene
+  std::vector<std::string> chosen;  ///< its keys that the program chose
   std::optional<CheckpointEvery> schedule;
   std::optional<Checkpoint> motion;
   GrowingFiles::Mark files;
@@ -27,13 +28,14 @@ struct RunCheckpoint {
   double wall_seconds = 0.0;  ///< of the run so far
 
   static void members(auto& self, auto&& each) {
-    each(self.description, self.schedule, self.motion, self.files, self.collected, self.times, self.wall_seconds);
+    each(self.description, self.chosen, self.schedule, self.motion, self.files, self.collected, self.times,
+         self.wall_seconds);
   }
 };
 
 /// The bytes of a checkpoint:
 ///
-///     "viscobar" | format 3 | length of what follows up to the checksum | version, build | payload | CRC-64
+///     "viscobar" | format 4 | length of what follows up to the checksum | version, build | payload | CRC-64
 ///
 /// each number of 8 bytes. The length finds every truncation, the Checksum other damage.
 std::string encoded(const RunCheckpoint& checkpoint);

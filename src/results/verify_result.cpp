@@ -42,7 +42,10 @@ class Verification {
       else if (there(name))
         tell(name, FileState::damaged, "it is no file");
     }
-    if (found_.contains("sweep.h5")) sweep();
+    if (found_.contains("sweep.h5"))
+      sweep();
+    else if (found_.contains("sweep.json"))
+      tell("sweep.h5", FileState::missing, "it has the rows of sweep.json");
     if (found_.contains("summary.json")) unfinished_run();
   }
 

@@ -124,6 +124,31 @@ TEST(MovedChains, AWallThatMovesIsAHeavyBodyUnderAForce) {
   }
 }
 
+// Many contacts are sampled one by one; the clearance of an obstacle that moves must be among what is sampled, also
+// where nobody keeps an account of the ends.
+TEST(MovedChains, AnObstacleThatMovesIsMetInTimeWhateverElseIsLookedAt) {
+  std::string text =
+      "[left]\nkind = \"obstacle\"\ngap = 0.0671\n[right]\nkind = \"obstacle\"\ngap = \"0.072+0.001*sin(3*t)\"\n"
+      "[initial]\nvelocity = -0.6376\n[time]\nend = 0.5\n[contact]\nepsilon = 5.861e-3\n";
+  for (const char* gap : {"0.0", "0.0328", "0.0"})
+    text += fmt::format("[[joint]]\nkind = \"contact\"\ngap = {}\n", gap);
+  for (const double modulus : {0.57, 2.72, 0.89, 1.86})
+    text += fmt::format("[[bar]]\nlength = 0.75\nviscosity = 0.1\nelements = 8\nmodulus = {}\n", modulus);
+  for (const char* method : {"ida", "cvode", "arkode", "odeint"}) {
+    const Case run = parse_scene(text, "", Settings{fmt::format("method.name={}", method)}).run;
+    const Recording kept = record(run);
+    std::vector<Event> events;
+    Observers alone;
+    alone.event = [&](const Event& event) { events.push_back(event); };
+    simulate(resolve(run), alone);
+    ASSERT_EQ(events.size(), kept.events.size()) << method;
+    for (std::size_t k = 0; k < events.size(); ++k) {
+      EXPECT_EQ(events[k].where, kept.events[k].where) << method;
+      EXPECT_NEAR(events[k].time, kept.events[k].time, 1e-5) << method;
+    }
+  }
+}
+
 // The scheme is of order one: its step times the largest stiffness of what it follows.
 TEST(MovedChains, TheSchemeFollowsThem) {
   const std::string left = "[left]\nkind = \"fixed\"\nmotion = \"0.075*sin(2*t)^2\"\n" + joints_behind;

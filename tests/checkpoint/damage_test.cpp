@@ -364,6 +364,11 @@ class DamagedSweep : public Damage {
 
 TEST_F(DamagedSweep, IsNoticedInEveryFile) { expect_noticed_in_every_file(scratch / "out", 5 * times); }
 
+TEST_F(DamagedSweep, IsNoticedWhereItsRowsAreGone) {
+  std::filesystem::remove(scratch / "out/sweep.h5");
+  EXPECT_EQ(run({"info", "--verify", "out"}), 1);
+}
+
 TEST_F(DamagedSweep, IsComputedAgainOrRefusedNeverKept) {
   const std::string sound = read_text(scratch / "out/sweep.h5"), rows = read_text(scratch / "out/sweep.csv");
   const SweepFile sweep = read_sweep(scratch / "sweep.toml");

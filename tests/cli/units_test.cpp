@@ -38,6 +38,9 @@ TEST_F(UnitsOfPages, AreAtEachHeadAndAxisAndNumbersHaveOneNotation) {
       {"run scene.toml -o other --set method.name=ida", "other/report.html", 8, 10, "time t [s]"},
       {"run scene.toml -o slopes --sensitivity left.gap,bar.viscosity", "slopes/report.html", 8, 12,
        "du / d bar.viscosity [m² s/kg]"},
+      {"run scene.toml -o section --set bar.section=1+0.3*x", "section/report.html", 8, 10, "A = 1 to 1.3\u00a0m²"},
+      {"run scene.toml -o span --set span.gap=0.2 --set method.name=ida", "span/report.html", 8, 10,
+       "m² s²/kg at an end, m³ s²/kg along the span"},
       {"compare scene.toml --methods cvode,ida -o methods", "methods/compare.html", 20, 5, "u, L2 [m^1.5]"},
       {"compare run other -o results", "results/compare.html", 20, 5, "v, L2 [m^1.5/s]"},
       {"compare scene.toml --with run/ends.csv -o with", "with/judge.html", 9, 10, "at t [s]"},
@@ -67,6 +70,7 @@ TEST_F(UnitsOfPages, AreAtEachHeadAndAxisAndNumbersHaveOneNotation) {
     std::string text = html.substr(0, html.find("<script"));
     for (const char* tag : {"<style[^<]*</style>", "<[^>]*>"}) text = std::regex_replace(text, std::regex(tag), " ");
     std::smatch found;
+    EXPECT_EQ(text.find("m^2"), std::string::npos);
     EXPECT_FALSE(std::regex_search(text, found, std::regex(R"(.{0,40}\b[0-9.]+e[-+]?[0-9]+.{0,20})"))) << found.str();
   }
 }

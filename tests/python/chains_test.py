@@ -54,6 +54,15 @@ class KeysTest(Test):
         self.assertLess(np.abs(second.u[0] - whole.u[0]).max(), 1e-15)
         self.assertLess(np.abs(second.u[-1] - whole.u[-1]).max(), 1e-5)
 
+    def test_of_chains_begin_with_functions_of_the_whole_where_a_bar_has_none_of_its_own(self):
+        bars = [{"length": 1.0, "viscosity": 0.1}, {"mass": 0.5, "velocity": 0.2}, {"length": 0.5, "viscosity": 0.1}]
+        formulas = {"initial": {"velocity": "0.5+sin(x)", "displacement": "0.01*x"}}
+        functions = {"initial": {"velocity": lambda x: 0.5 + np.sin(x), "displacement": lambda x: 0.01 * x}}
+        one, other = (viscobar.run(chain(bar=bars, joint=[{"kind": "bonded"}, {"kind": "spring", "stiffness": 2.0}],
+                                         mesh={"elements": 24}, **initial)) for initial in (formulas, functions))  # fmt: skip
+        self.assertGreater(np.abs(one.v[0]).max(), 0.5)
+        self.assertLess(np.abs(one.u - other.u).max(), 1e-6)
+
     def test_of_chains_take_a_profile_at_nodes(self):
         scene = chain(load={"profile": "1+x", "history": 1.0})
         run = viscobar.run(scene)

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <nlohmann/json.hpp>
 
 #include "support/scratch.hpp"
 #include "viscobar/input/scene_file.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr const char* rebound =
     "[bar]\nlength=1\nviscosity=0.1\n[left]\nkind=\"obstacle\"\ngap=0\n[initial]\nvelocity=-1\n[time]\nend=2.5\n"
-    "[accuracy]\nerror=1e-7\n";
+    "[accuracy]\nerror=1e-6\n";
 
 // The estimate is made anew, from a ladder of meshes that ends at the one that was chosen: where the search for it took
 // other steps, it is another one of the same size.
@@ -36,7 +37,14 @@ TEST(ResumedToAccuracy, ARunHasItsEstimateOfTheSameSettings) {
   ASSERT_TRUE(resumed.outcome.error_estimate);
   EXPECT_TRUE(resumed.outcome.error_estimate->kept) << resumed.outcome.error_estimate->doubt;
   EXPECT_NEAR(resumed.outcome.error_estimate->total / whole.outcome.error_estimate->total, 1.0, 0.5);
-  EXPECT_DOUBLE_EQ(*resumed.outcome.error_estimate->requested, 1e-7);
+  EXPECT_DOUBLE_EQ(*resumed.outcome.error_estimate->requested, 1e-6);
+  const auto told = [](const RunRecord& of) {
+    nlohmann::json summary = nlohmann::json::parse(of.summary);
+    return nlohmann::json{summary["chosen"], summary["scene"], summary["method_requested"]};
+  };
+  EXPECT_EQ(told(resumed), told(whole));
+  for (const std::string& reason : resumed.outcome.error_estimate->reasons)
+    EXPECT_EQ(reason.find("as the scene says"), reason.npos) << reason;
 }
 
 }  // namespace

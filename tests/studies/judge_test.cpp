@@ -126,6 +126,29 @@ TEST(Judge, LeavesOutRowsWithoutAValueForOurOwnErrorToo) {
 }
 
 // The bar itself: theirs is as far from ours as its own error and ours make it.
+// It begins as V sqrt(rho eta / (pi t)): a finer mesh has a larger first sample, which is no distance of theirs. The
+// motion of that end is given, and no error of ours there is worth a finer run.
+TEST(Judge, LeavesOutTheForceThatStopsTheEndOfAViscousBarAtTheStart) {
+  JudgeStudy study = study_of({});
+  study.scene.scene.right = Fixed{};
+  Case scheme = study.scene;
+  scheme.automatic = false;
+  scheme.method = MethodName::fully_discrete;
+  scheme.elements = 160;
+  scheme.step = 0.01;
+  const Recording made = record(scheme);
+  std::vector<double> left, right;
+  for (std::size_t k = 0; k < made.times.size(); ++k)
+    left.push_back(made.displacement(k).front()), right.push_back(made.displacement(k).back());
+  study.solutions = {
+      {"scheme", made.times, {{"u_left", left}, {"u_right", right}, {"reaction_right", made.reaction_right}}, {}}};
+  const JudgeResult judgement = judge(study);
+  const JudgedColumn& force = judgement.solutions[0].columns[2];
+  EXPECT_LT(*force.own_mean, 1e-3);
+  EXPECT_LT(force.mean, 0.1);
+  EXPECT_LT(judgement.run.elements, 2000u);
+}
+
 TEST(Judge, DoesNotBlameTheBarItself) {
   const Recording truth = fine_run(400), coarser = fine_run(200);
   Case fine = thrown();

@@ -184,6 +184,7 @@ std::optional<EventSearch::StopChange> EventSearch::change_of_stop(std::size_t i
 }
 
 bool EventSearch::may_reach_moving(double begin, double end, double whole) {
+  if (selects() && !moving_.empty()) select_entries(moving_);  // the step before may have left them out
   for (const std::size_t i : moving_) {
     const Contact& contact = contacts_[i];
     const auto clearance = [&](double t) {

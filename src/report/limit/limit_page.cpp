@@ -131,7 +131,7 @@ std::string between_limits(double low, double high, const NumberText& number) {
 
 std::string numbers(const LimitStudy& study, const LimitResult& result, const NumberText& number) {
   const auto length = [&](double value) { return number(value, Dimension::length, 2); };
-  const auto penalty = [&](double epsilon, int digits) { return number(epsilon, number.of_epsilon, digits); };
+  const auto penalty = [&](double epsilon, int digits) { return number.epsilon(epsilon, digits); };
   Numbers all;
   const LimitOrders& orders = result.orders[finest(result)];
   all.add("Mass", std::string(name(resolve(study.scene).mass)));

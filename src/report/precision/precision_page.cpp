@@ -57,7 +57,7 @@ std::string numbers(const PrecisionStudy& study, const PrecisionResult& result, 
   for (const ErrorParts& parts : result.parts) masses[parts.mass].insert(name(parts.method));
   for (const auto& [mass, methods] : masses)
     all.add("Mass", std::string(name(mass)), masses.size() > 1 ? fmt::format("{}", fmt::join(methods, ", ")) : "");
-  if (study.scene.epsilon) all.add("Penalty ε", number(*study.scene.epsilon, number.of_epsilon, 4));
+  if (study.scene.epsilon) all.add("Penalty ε", number.epsilon(*study.scene.epsilon, 4));
   if (result.reference) {
     all.add("Largest |u|", number(result.reference->largest_displacement, Dimension::length));
     all.add("Reference", result.reference->closed_form ? "closed form" : "finer run",

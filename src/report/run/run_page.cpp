@@ -38,8 +38,7 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
                         with(absolute.velocity, Dimension::velocity)));
   }
   if (is_scheme(run.method)) all.add("Time step", with(setup.step, Dimension::time));
-  if (data.has_springs() && has_penalty(setup.run.scene))
-    all.add("Penalty ε", number(setup.epsilon, number.of_epsilon, 4));
+  if (data.has_springs() && has_penalty(setup.run.scene)) all.add("Penalty ε", number.epsilon(setup.epsilon, 4));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
   all.add("Elements", fmt::format("{}", system.mesh().elements),
           fmt::format("{}, {} mass", element_size(system.mesh(), number), name(system.mass())));

@@ -157,7 +157,7 @@ void Plan::tell_runs(ErrorEstimate& estimate) const {
 
 void Plan::explain(ErrorEstimate& estimate, const Case& run) const {
   const Setup setup = resolve(run);
-  const AccuracyRequest::Given& given = study_.request.given;
+  const AccuracyRequest::Given& given = by_user_;
   const auto because = [&](bool given_by_user, const std::string& key, const std::string& why) {
     estimate.reasons.push_back(given_by_user ? key + ": as the scene says" : why);
   };

@@ -43,11 +43,13 @@ Plan::Plan(Case as_it_is, double most_seconds, std::function<bool()> stop)
 
 Plan::Plan(const AccuracyStudy& study)
     : study_(study),
+      by_user_(study.request.given),
       base_(on_its_mesh(study.scene)),
       data_error_(base_, study.request.of == Goal::displacement || study.request.of == Goal::end_traces),
       runs_([this](const Setting& setting) { return with(setting); }, times_of_errors(study.scene.end),
             study.request.of == Goal::peak_reaction || has_stops(study.scene.scene), study.threads, study.stop) {
-  const AccuracyRequest::Given& given = study_.request.given;
+  AccuracyRequest::Given& given = study_.request.given;
+  if (study.resumed) given = {true, true, true, true, true, true, true};
   const Scene& scene = base_.scene;
   waves_ = base_.method == MethodName::characteristics;
   stepping_ = is_scheme(base_.method);

@@ -116,6 +116,7 @@ class Plan {
   void tell_runs(ErrorEstimate& estimate) const;
 
   AccuracyStudy study_;
+  AccuracyRequest::Given by_user_;  // of a run that is resumed: not all that is held
   Case base_;
   DataError data_error_;
   std::size_t unit_ = 1;                         // meshes have multiples of it, so that data break at nodes

@@ -285,7 +285,14 @@ JudgeResult judge(const JudgeStudy& study) {
         one.name = column.name;
         one.theirs = column.values;
         one.ours = at_times(motion.columns[at], rows[s]);
-        const auto difference = [&](std::size_t k) { return one.theirs[k] - one.ours[k]; };
+        const bool fixed = (one.name.ends_with("_left") && is_fixed(scene.left)) ||
+                           (one.name.ends_with("_right") && is_fixed(scene.right));
+        const bool force = one.name.starts_with("reaction");
+        // The force of a fixed end that stops a viscous bar at the start has no limit there.
+        const auto difference = [&](std::size_t k) {
+          const bool counts = !(fixed && force) || theirs.times[k] > 0.0;
+          return counts ? one.theirs[k] - one.ours[k] : std::numeric_limits<double>::quiet_NaN();
+        };
         const Distance distance = distance_over(theirs.times, difference);
         if (distance.count == 0) throw std::invalid_argument(theirs.label + ": " + column.name + " has no value");
         one.largest = distance.largest, one.at = distance.at;
@@ -304,9 +311,11 @@ JudgeResult judge(const JudgeStudy& study) {
           one.own_error = std::max(own_distance.largest, least);
           one.own_mean = std::max(own_distance.mean, least);
         }
-        // The force on a viscous bar at its touch has no limit. An error of ours that does not fall is not waited for.
+        // The force on a viscous bar at its touch has no limit. An error of ours that does not fall is not waited for,
+        // nor one of what is given: the motion of a fixed end.
         const double own_now = one.own_distance().value_or(0.0);
-        settled = settled && (own_now * better <= one.distance() || 2.0 * own_now > errors_before[at]);
+        settled =
+            settled && ((fixed && !force) || own_now * better <= one.distance() || 2.0 * own_now > errors_before[at]);
         if (coarser) errors_before[at] = own_now;
         ++at;
       }

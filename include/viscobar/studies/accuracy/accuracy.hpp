@@ -29,6 +29,7 @@ AccuracyStart start_at(const Case& solution);
 struct AccuracyStudy {
   Case scene;                                       ///< sound
   AccuracyRequest request;                          ///< error that is asked for
+  bool resumed = false;                             ///< nothing is chosen anew: the scene has what was chosen
   std::optional<AccuracyStart> start;               ///< where a neighbour's search ended; absent: from coarse meshes
   std::size_t threads = 0;                          ///< runs side by side; 0: one a core
   std::size_t most_elements = 20'000;               ///< of a mesh that is tried
