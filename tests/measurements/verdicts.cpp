@@ -24,12 +24,16 @@ std::vector<VerdictScene> shipped_scenes() {
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<VerdictScene> scenes;
-  for (const auto& file : files)
-    scenes.push_back({file.stem().string(), "", read_scene(file, {}, [](Case& run) {
-                                                  run.epsilon = 1e-4 * natural_epsilon(run.scene);
-                                                  run.method = penalised_method(run);
-                                                  run.mass = common_mass(run);
-                                                }).run});
+  for (const auto& file : files) {
+    Case run = read_scene(file, {}, [](Case& one) {
+                 one.epsilon = 1e-4 * natural_epsilon(one.scene);
+                 one.method = penalised_method(one);
+                 one.mass = common_mass(one);
+               }).run;
+    // Theory speaks of bars alone.
+    if (!limit_fault(run.scene) && run.scene.chain.empty())
+      scenes.push_back({file.stem().string(), "", std::move(run)});
+  }
   return scenes;
 }
 
