@@ -366,7 +366,8 @@ def _text_and_functions(scene: Mapping[str, Any], nodes: np.ndarray | None) -> t
     for leaf in ("displacement", "velocity"):
         if f"initial.{leaf}" in functions and isinstance(bars, (list, tuple)):
             own = functions[f"initial.{leaf}"]
-            functions |= {f"bar.{k}.{leaf}": own for k, bar in enumerate(bars, 1) if bar.get(leaf) is None}
+            functions |= {f"bar.{k}.{leaf}": own for k, bar in enumerate(bars, 1)
+                          if isinstance(bar, Mapping) and bar.get(leaf) is None}
     return top + tables, functions, nodal
 
 

@@ -62,6 +62,8 @@ class KeysTest(Test):
                                          mesh={"elements": 24}, **initial)) for initial in (formulas, functions))  # fmt: skip
         self.assertGreater(np.abs(one.v[0]).max(), 0.5)
         self.assertLess(np.abs(one.u - other.u).max(), 1e-6)
+        with self.assertRaisesRegex(viscobar.SceneError, "bar: must be a table"):
+            viscobar.run({"bar": [1, 2], **functions})
 
     def test_of_chains_take_a_profile_at_nodes(self):
         scene = chain(load={"profile": "1+x", "history": 1.0})
