@@ -17,7 +17,7 @@ namespace {
 
 constexpr double most_steps = 1e9;
 
-// Steps of dopri5 a transit time from which on rosenbrock4 is cheaper at a tolerance of 1e-6: its steps cost 1.6 times
+// Steps of dopri5 a transit time from which on rosenbrock4 is cheaper at a tolerance of 1e-6: its steps cost 1.7 times
 // as much, and their number goes by the fourth root of the tolerance (tests/measurements/odeint_steppers.py).
 constexpr double implicit_worth = 150.0;
 
