@@ -131,11 +131,10 @@ StopForecast lone_mass(double mass, const Stop& stop, double speed) {
 }  // namespace
 
 StopForecast forecast(const EndBar& end, double end_mass, double node_mass, const Stop& stop, double speed) {
-  const auto& [bar, spacing] = end;
-  StopForecast found = lone_mass(end_mass + bar.density * bar.length, stop, speed);
+  StopForecast found = lone_mass(end_mass + end.bar.density * end.bar.length, stop, speed);
   double shallow = 0.0, deep = found.penetration;
   const auto as_penalty = [&](double depth) {
-    return predict_impact(bar, spacing, node_mass, depth / stop.force(depth, 0.0), speed).penetration;
+    return predict_impact(end.bar, end.element, node_mass, depth / stop.force(depth, 0.0), speed).penetration;
   };
   for (int k = 0; k < 30 && as_penalty(deep) < deep; ++k) {
     const double middle = 0.5 * (shallow + deep);
