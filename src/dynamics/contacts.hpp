@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -103,6 +105,13 @@ struct ContactNode : Contact {
     return 32.0 * std::numeric_limits<double>::epsilon() * (gap + largest);
   }
 };
+
+/// Rounding error of the difference of two of these velocities. Those of bars that move as one differ by it.
+inline double velocity_rounding(std::span<const double> w) {
+  double largest = 0.0;
+  for (const double one : w) largest = std::max(largest, std::abs(one));
+  return 32.0 * std::numeric_limits<double>::epsilon() * largest;
+}
 
 /// The contacts of a system, which of them are closed, and where their nodes are measured from. `u` is measured from
 /// origin() throughout.

@@ -65,26 +65,38 @@ void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, s
   if (bar_.frame().moving()) bar_.frame().add_lift(load_.lift(t, 2), nodal);
 }
 
+// Of the elements beside, from the rounding errors of their stretch and its rate.
+double PenalisedSystem::acceleration_rounding(const ContactNode& contact, double stretch, double rate) const {
+  double sum = 0.0;
+  for (std::size_t node = contact.unknown - (contact.joint > 0 ? 1 : 0); node <= contact.unknown; ++node)
+    sum += (bar_.bar().modulus * stretch + bar_.bar().viscosity * rate) /
+           (bar_.elements().stretch_beside(node) * bar_.bar().density * bar_.inertia().matrix().diagonal[node]);
+  return sum;
+}
+
 void PenalisedSystem::settle(double t, std::span<double> u, std::span<double> w) {
   for (std::size_t i = 0; i < contacts_.size(); ++i) contacts_.set_closed(i, false);
   complete_displacement(t, u);
   complete_velocity(t, u, w);
   if (contacts_.size() == 0) return;
-  const double largest = contacts_.origin().largest_displacement(u);
+  const double largest = contacts_.origin().largest_displacement(u), slow = velocity_rounding(w);
   std::vector<double> accelerations;
   std::vector<unsigned char> press(contacts_.size(), 0);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const double sign = contacts_[i].sign, clear = contacts_.clearance(i, u),
                  rounding = contacts_[i].clearance_rounding(largest);
     if (contacts_[i].moves || clear > rounding) continue;
-    if (clear < -rounding || sign * contacts_[i].of(w) < 0.0) {
+    const double velocity = sign * contacts_[i].of(w);
+    if (clear < -rounding || velocity < -slow) {
       press[i] = 1;
-    } else if (contacts_[i].of(w) == 0.0) {
+    } else if (velocity <= slow) {  // they move as one
+      const std::size_t node = contacts_[i].unknown;
+      w[node] = contacts_[i].joint > 0 ? w[node - 1] : 0.0;
       if (accelerations.empty()) {
         accelerations.resize(size());
         acceleration(t, u, w, accelerations);
       }
-      press[i] = sign * contacts_[i].of(accelerations) < 0.0 ? 1 : 0;
+      press[i] = sign * contacts_[i].of(accelerations) < -acceleration_rounding(contacts_[i], rounding, slow) ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)

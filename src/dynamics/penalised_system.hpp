@@ -72,6 +72,7 @@ class PenalisedSystem {
  private:
   void complete_velocity_of(std::size_t end, double t, std::span<const double> u, std::span<double> w);
   void complete_displacement_of(std::size_t end, double t, std::span<double> u);
+  double acceleration_rounding(const ContactNode& contact, double stretch, double rate) const;
 
   const BarSystem& bar_;
   Contacts contacts_;

@@ -219,13 +219,14 @@ class Run {
 
   // A node that moves in closes its contact where the data touch, at t_0, or else where u^1 does.
   void close_at_start(const State& start) {
+    const double slow = velocity_rounding(start.v);
     for (const std::size_t n : {0, 1})  // in the order of time
       for (std::size_t k = 0; k < was_active_.size(); ++k) {
         const Contact& contact = step_->contacts()[k];
         const double velocity = contact.of(start.v);
         const double u = n == 0 ? contact.of(start.u) : step_->stored_contacts()[k].of(step_->u());
         if (was_active_[k] || step_->clearance(k, time(n), u) > 0.0) continue;
-        if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < 0.0)) continue;
+        if (!(contact.sign * velocity + (gap(k, 1) - gap(k, 0)) / scheme_.step < -slow)) continue;
         was_active_[k] = 1;
         tell(time(n), k, Change::closing, velocity);
       }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -308,6 +309,31 @@ TEST(ChainAccounts, AJointOfTwoPushedBarsOpensOnTime) {
         forces[2 * mirrored], forces[2 * mirrored + 1])));
     ASSERT_EQ(run.events.size(), 2u);
     EXPECT_LT(run.statistics.late_opening.ratio, 1.0) << mirrored;
+  }
+}
+
+// Bars that touch and move as one, but for the rounding of their velocities: only forces close their contacts, from
+// either side alike.
+TEST(ChainAccounts, TheRoundingOfVelocitiesIsNoImpact) {
+  const std::string bars[] = {"[[bar]]\nlength = 1.0\ndensity = 0.5\nmodulus = 0.7\nviscosity = 0.01\nelements = 16\n",
+                              "[[bar]]\nlength = 0.5\ndensity = 2.0\nmodulus = 3.0\nviscosity = 1.0\nelements = 9\n",
+                              "[[bar]]\nlength = 0.5\ndensity = 0.5\nmodulus = 0.7\nviscosity = 0.01\nelements = 9\n"};
+  for (const char* method : {"rigid", "cvode", "exponential", "fully_discrete"}) {
+    std::vector<std::string> places[2];
+    for (const bool mirrored : {false, true}) {
+      const Recording run = record(case_of(fmt::format(
+          "{}{}{}[[joint]]\nkind = \"contact\"\n[[joint]]\nkind = \"contact\"\n[{}]\nkind = \"free\"\nforce = {}\n"
+          "stiffness = 2.0\n[initial]\nvelocity = {}\n[load]\ndensity = \"{}\"\n[time]\nend = 2.0\n[contact]\n"
+          "restitution = 0.0\nepsilon = 1e-4\n[method]\nname = \"{}\"\nrelative_tolerance = 1e-9\nstep = 2e-3\n",
+          bars[mirrored ? 2 : 0], bars[1], bars[mirrored ? 0 : 2], mirrored ? "left" : "right", mirrored ? -0.3 : 0.3,
+          mirrored ? -0.4 : 0.4, mirrored ? "-sin(t)*(2-x)" : "sin(t)*x", method)));
+      for (const Event& event : run.events) {
+        places[mirrored].push_back(
+            fmt::format("{} {}", mirrored ? 3 - event.node : event.node, event.change == Change::closing));
+        EXPECT_TRUE(event.time > 0.0 || std::string_view(method) != "fully_discrete") << event.velocity;
+      }
+    }
+    EXPECT_EQ(places[0], places[1]) << method;
   }
 }
 
