@@ -259,12 +259,6 @@ void check_chain(const Setup& setup, Findings& findings) {
     const bool taken = !joint.stop || (linear_only ? joint.stop->linear() : method_row(method).takes_laws);
     if (!taken && findings.sound({"method.name"}))
       findings.add({law_refusal(name(method), *joint.stop, fmt::format("joint.{}", k + 1))});
-    const bool rigid = scene.chain[k].rigid() && scene.chain[k + 1].rigid();
-    if (method == MethodName::characteristics && rigid && run.restitution.value_or(0.0) > 0.0)
-      findings.report("contact.restitution",
-                      "is {}, and between rigid bodies characteristics knows impacts without rebound alone; leave it "
-                      "out, or use fully_discrete",
-                      *run.restitution);
   }
   check_members(run, findings);
 }
@@ -332,7 +326,7 @@ void check_exponential(const Case& run, Findings& findings) {
 void check_characteristics(const Case& run, Findings& findings) {
   if (!findings.sound({"bar.length", "bar.density", "bar.modulus", "bar.viscosity", "time.end"})) return;
   if (!run.scene.chain.empty() && !validate(run.scene).empty()) return;
-  if (const auto why = refusal(run.scene, run.end, Characteristics{})) findings.add({*why});
+  if (const auto why = refusal_by_characteristics(run)) findings.add({*why});
 }
 
 void check_rigid(const Case& run, Findings& findings) {

@@ -18,6 +18,8 @@ Mass diagonal(const Case& run) {
   return mass == Mass::consistent ? Mass::lumped : mass;
 }
 
+Characteristics waves(const Case& run) { return {.restitution = run.restitution.value_or(0.0)}; }
+
 Penalty penalty(const Setup& setup) { return {setup.epsilon, setup.run.restitution.value_or(1.0)}; }
 
 Method scheme(const Setup& setup) {
@@ -76,7 +78,7 @@ constexpr MethodRow rows[] = {
     {.method = MethodName::characteristics, .name = "characteristics",
      .meaning = "exact waves of an undamped bar, whatever the mesh; obstacles at its ends only",
      .penalised = false, .accuracy = Accuracy::rounding, .seconds = {0.5e-6, 60e-9},
-     .options = [](const Setup&) -> Method { return Characteristics{}; },
+     .options = [](const Setup& setup) -> Method { return waves(setup.run); },
      .mass = consistent, .takes_laws = true},
     {.method = MethodName::fully_discrete, .name = "fully_discrete",
      .meaning = "the paper's scheme (2.8), implicit in the constraint",
@@ -91,6 +93,8 @@ constexpr MethodRow rows[] = {
 static_assert(std::ranges::equal(rows, all_methods, {}, &MethodRow::method), "a row for each method, in their order");
 
 }  // namespace
+
+std::optional<Finding> refusal_by_characteristics(const Case& run) { return refusal(run.scene, run.end, waves(run)); }
 
 bool has_algebraic_rows(const Case& run) {
   return run.mass == Mass::redistributed && bare_obstacles(run.scene) > 0 && run.scene.bar.viscosity == 0.0;

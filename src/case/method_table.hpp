@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -46,5 +47,8 @@ bool fourth_order_fits(const Case& run);
 std::span<const MethodRow> method_table();
 
 const MethodRow& method_row(MethodName method);
+
+/// Why characteristics does not take the case, whatever its own method; absent where it does.
+std::optional<Finding> refusal_by_characteristics(const Case& run);
 
 }  // namespace viscobar

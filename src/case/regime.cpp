@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include "case/massless.hpp"
@@ -261,7 +262,8 @@ std::optional<std::string> peak_remark(const Setup& setup, const BarSystem& syst
            "touch on, and a finer mesh or a stiffer spring shows more of it";
   if (run.method != MethodName::characteristics && overshoots)
     return "the peak of an impact is too high on every mesh: behind the front of an elastic wave the force overshoots, "
-           "by a share that a finer mesh does not reduce; method characteristics gives the exact peak";
+           "by a share that a finer mesh does not reduce" +
+           std::string(refusal_by_characteristics(run) ? "" : "; method characteristics gives the exact peak");
   return std::nullopt;
 }
 

@@ -170,6 +170,7 @@ AutomaticMethod automatic_method(const Case& run) {
                             name(meshed), why)};
   };
   try {
+    if (const auto why = refusal_by_characteristics(run)) return meshed_because(why->key + " " + why->problem);
     if (const auto time = roughens(scene, run.end))
       return meshed_because(fmt::format(
           "contact changes break the waves without end, into more than 10,000 pieces at t = {:.4g}; no mesh "

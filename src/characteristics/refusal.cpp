@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "characteristics/run.hpp"
+#include "scene/end_kinds.hpp"
 #include "scene/times.hpp"
 #include "viscobar/characteristics/characteristics.hpp"
 
@@ -72,7 +73,7 @@ std::optional<Finding> rate_refusal(const Scene& scene) {
 
 }  // namespace
 
-std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics&) {
+std::optional<Finding> refusal(const Scene& scene, double end, const Characteristics& method) {
   if (auto why = law_refusal("characteristics", scene.left_input, scene.right_input, true)) return why;
   if (scene.chain.empty()) {
     if (auto why = bar_refusal("bar", scene.bar, varies(scene.section, scene.section_places, scene.bar.length)))
@@ -89,6 +90,11 @@ std::optional<Finding> refusal(const Scene& scene, double end, const Characteris
         "method.name",
         "characteristics knows obstacles at the ends, and under a span obstacle the whole bar may touch; use "
         "fully_discrete, or one of the penalised methods"};
+  if (method.restitution > 0.0 && keeps_restitution(scene))
+    return Finding{"contact.restitution",
+                   fmt::format("is {}, and of masses that strike an obstacle or each other characteristics knows "
+                               "impacts without rebound alone; leave it out, or use rigid",
+                               method.restitution)};
   if (auto why = rate_refusal(scene)) return why;
   for (const bool right : {false, true}) {
     const EndInput& input = right ? scene.right_input : scene.left_input;

@@ -97,11 +97,18 @@ inline std::size_t bare_obstacles(const Scene& scene) {
          std::size_t{is_bare_obstacle(scene.right, scene.right_input)};
 }
 
-/// True if something keeps its restitution on every mesh: a mass on an end over an obstacle, or a rigid body. That of a
-/// node goes with its mass.
+/// True if a contact without a law of its own keeps its restitution on every mesh: of a mass on an end, or of a rigid
+/// body, with an obstacle or another rigid body. That of a node goes with its mass.
 inline bool keeps_restitution(const Scene& scene) {
-  return (is_obstacle(scene.left) && scene.left_input.mass > 0.0) ||
-         (is_obstacle(scene.right) && scene.right_input.mass > 0.0) || std::ranges::any_of(scene.chain, &Member::rigid);
+  const std::vector<Member>& chain = scene.chain;
+  const auto heavy = [&](const EndCondition& end, const EndInput& input, bool body) {
+    return is_obstacle(end) && !input.stop && (input.mass > 0.0 || body);
+  };
+  for (std::size_t k = 0; k + 1 < chain.size(); ++k)
+    if (chain[k].joint.kind == JointKind::contact && !chain[k].joint.stop && chain[k].rigid() && chain[k + 1].rigid())
+      return true;
+  return heavy(scene.left, scene.left_input, !chain.empty() && chain.front().rigid()) ||
+         heavy(scene.right, scene.right_input, !chain.empty() && chain.back().rigid());
 }
 
 /// True if an obstacle at an end has no law of its own.

@@ -13,6 +13,7 @@
 #include "viscobar/input/scene_file.hpp"
 #include "viscobar/studies/accuracy/accuracy.hpp"
 #include "viscobar/studies/judge/judge.hpp"
+#include "viscobar/studies/limit/coupling.hpp"
 #include "viscobar/studies/limit/limit.hpp"
 #include "viscobar/studies/precision/precision.hpp"
 #include "viscobar/sweep/sweep.hpp"
@@ -171,6 +172,11 @@ TEST(ChainLimit, BothLimitsTendToTheBarsOwnMotionLikeTheSquareOfH) {
     ASSERT_TRUE(order);
     EXPECT_NEAR(order->order, 2.0, 0.05);
   }
+  // The joint's element has no length, and no part in h.
+  const CouplingResult found = balance_errors(study, result);
+  ASSERT_TRUE(found.coupling) << found.reason;
+  EXPECT_NEAR(found.coupling->mesh_order, 2.0, 0.1);
+  for (std::size_t m = 0; m < 3; ++m) EXPECT_DOUBLE_EQ(found.coupling->meshes.at(m).spacing, meshes[m].spacing);
 }
 
 // Both bars fly on, so that the depth of their contact is the difference of displacements a million times as large: of

@@ -41,7 +41,7 @@ TEST(Report, TellsTheSmallestElementOfBarsInLineWithoutAPlace) {
   const std::string line = bar + "1.0\nelements = 10\n" + bar + "0.0\nelements = 10\n";
   const std::string last = "[[bar]]\nlength = 0.2\nelements = 20\n";
   const Html report = page(parse_scene(line + last + contact + end_of(0.5, 0.1), "scene"));
-  EXPECT_TRUE(report.has("on average, 0.01 the least"));
+  EXPECT_TRUE(report.has("<dd>40 <small>h = 0.055 on average, 0.01 the least"));
   EXPECT_FALSE(report.has("at the contacts"));
 }
 

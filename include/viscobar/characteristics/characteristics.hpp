@@ -21,6 +21,7 @@ struct Characteristics {
   /// Passages L / c of a wave through the bar that a run may take.
   static constexpr double most_passages = 1e9;
   std::size_t most_pieces = 50'000;  ///< of a wave, where a run stops
+  double restitution = 0.0;          ///< of masses that strike an obstacle or each other; only 0 is followed
 };
 
 /// Why the method does not take the scene until `end`; absent where it does.

@@ -185,13 +185,6 @@ void take_impulses(Recording& recording, const std::vector<ContactPeriod>& perio
   }
 }
 
-std::size_t elements_of(const Mesh& mesh) {
-  std::size_t elements = 0;
-  if (!mesh.members) return mesh.elements;
-  for (const Mesh& own : *mesh.members) elements += own.elements;
-  return elements;
-}
-
 }  // namespace
 
 FinishedRuns finished_runs(std::span<const std::string> directories) {
@@ -233,8 +226,8 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     }
     if (!ends_only && !same_nodes(recording.mesh, first.mesh)) {
       finished.remarks.push_back(fmt::format("{} has {} elements and {} has {}: it is taken at the nodes of the latter",
-                                             directories[k], elements_of(recording.mesh), directories[0],
-                                             elements_of(first.mesh)));
+                                             directories[k], recording.mesh.lengthy_elements(), directories[0],
+                                             first.mesh.lengthy_elements()));
       take_nodes(recording, scenes[k].run.scene, first.mesh, scenes[0].run.scene);
     }
     if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : "";

@@ -99,9 +99,9 @@ Picture error_picture(const PrecisionResult& result, const NumberText& number) {
   std::string caption =
       "Largest |<i>u</i> − <i>u</i><sub>∗</sub>| over times and nodes, over the median time of the integration: "
       "the lower left is better. Where a line is flat, a smaller tolerance or step costs time without reducing the "
-      "error. ";
-  if (meshes.size() > 1) caption += "Numbers: elements. ";
-  return {"Speed against error", caption + "Schemes are dashed.", {{"error", "Error over seconds", *figure}}};
+      "error.";
+  if (meshes.size() > 1) caption += " Numbers: elements.";
+  return {"Speed against error", caption, {{"error", "Error over seconds", *figure}}};
 }
 
 Picture time_error_picture(const PrecisionResult& result, const NumberText& number) {
@@ -115,7 +115,7 @@ Picture time_error_picture(const PrecisionResult& result, const NumberText& numb
   return {
       "Speed against the error of time integration",
       "The same runs against the exact solution of each method's own semi-discrete system: what the tolerance or the "
-      "step does by itself. Schemes are dashed; errors that their reference cannot tell from its own are left out.",
+      "step does by itself. Errors that their reference cannot tell from its own are left out.",
       panels};
 }
 

@@ -45,11 +45,8 @@ std::size_t fewest_in_a_bar(const Case& run) {
 }
 
 Case on_mesh(Case run, const Mesh& mesh) {
-  run.elements = mesh.elements;
-  if (!mesh.members) return run;
-  run.bar_meshes = *mesh.members;
-  run.elements = 0;  // beside those of the joints
-  for (const Mesh& own : run.bar_meshes) run.elements += own.elements;
+  run.elements = mesh.lengthy_elements();
+  if (mesh.members) run.bar_meshes = *mesh.members;
   return run;
 }
 

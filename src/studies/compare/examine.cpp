@@ -60,7 +60,8 @@ TrialResult one(const std::string& label, const Solver& scheme, const Trial& tri
     if (runs[i].label == "exact") bounds.event_shift.reset();  // an exact solution lists no changes
     judge(bounds, *difference, runs[i].label, result.findings);
   }
-  if (trial.solution && result.scheme().recording && result.scheme().recording->mesh.elements == trial.run.elements)
+  if (trial.solution && result.scheme().recording &&
+      result.scheme().recording->mesh.lengthy_elements() == trial.run.elements)
     result.error = exact::error(*result.scheme().recording, *trial.solution);
   return result;
 }
