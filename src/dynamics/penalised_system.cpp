@@ -65,7 +65,7 @@ void PenalisedSystem::expand_acceleration(double t, std::span<const double> u, s
   if (bar_.frame().moving()) bar_.frame().add_lift(load_.lift(t, 2), nodal);
 }
 
-// Of the elements beside, from the rounding errors of their stretch and its rate.
+// Rounding error that those of the stretch and its rate make of the elements beside.
 double PenalisedSystem::acceleration_rounding(const ContactNode& contact, double stretch, double rate) const {
   double sum = 0.0;
   for (std::size_t node = contact.unknown - (contact.joint > 0 ? 1 : 0); node <= contact.unknown; ++node)
