@@ -5,13 +5,6 @@
 
 namespace viscobar {
 
-std::size_t Mesh::lengthy_elements() const {
-  if (!members) return elements;
-  std::size_t sum = 0;
-  for (const Mesh& own : *members) sum += own.elements;
-  return sum;
-}
-
 double Mesh::smallest() const {
   if (!given) return uniform() || grading.left ? element(0) : element(elements - 1);
   double least = length;

@@ -36,9 +36,14 @@ struct Mesh {
   /// True if all elements have the same size.
   bool uniform() const { return !given && (grading.ratio == 1.0 || !(grading.left || grading.right)); }
   /// Elements that have a length: J, without those of joints.
-  std::size_t lengthy_elements() const;
+  std::size_t elements_of_bars() const {
+    if (!members) return elements;
+    std::size_t sum = 0;
+    for (const Mesh& own : *members) sum += own.elements;
+    return sum;
+  }
   /// h, the mean size of elements that have a length; the size of all elements of a uniform mesh.
-  double spacing() const { return length / static_cast<double>(lengthy_elements()); }
+  double spacing() const { return length / static_cast<double>(elements_of_bars()); }
   std::size_t nodes() const { return elements + 1; }  ///< J + 1
 
   /// x_j; the last node is exactly at `length`.

@@ -226,8 +226,8 @@ FinishedRuns finished_runs(std::span<const std::string> directories) {
     }
     if (!ends_only && !same_nodes(recording.mesh, first.mesh)) {
       finished.remarks.push_back(fmt::format("{} has {} elements and {} has {}: it is taken at the nodes of the latter",
-                                             directories[k], recording.mesh.lengthy_elements(), directories[0],
-                                             first.mesh.lengthy_elements()));
+                                             directories[k], recording.mesh.elements_of_bars(), directories[0],
+                                             first.mesh.elements_of_bars()));
       take_nodes(recording, scenes[k].run.scene, first.mesh, scenes[0].run.scene);
     }
     if (const std::string tables = k > 0 ? differing_tables(complete(scenes[0]), complete(scenes[k])) : "";

@@ -40,7 +40,7 @@ std::string numbers(const Setup& setup, const BarSystem& system, const Outcome& 
   if (is_scheme(run.method)) all.add("Time step", with(setup.step, Dimension::time));
   if (data.has_springs() && has_penalty(setup.run.scene)) all.add("Penalty ε", number.epsilon(setup.epsilon, 4));
   if (run.restitution && !system.contacts().empty()) all.add("Restitution", readable(*run.restitution));
-  all.add("Elements", fmt::format("{}", system.mesh().lengthy_elements()),
+  all.add("Elements", fmt::format("{}", system.mesh().elements_of_bars()),
           fmt::format("{}, {} mass", element_size(system.mesh(), number), name(system.mass())));
   if (outcome.statistics) all.add("Unknowns", outcome.statistics->unknowns);
   all.add("Simulated time", with(outcome.reached_time, Dimension::time),

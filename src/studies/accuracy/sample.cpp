@@ -45,7 +45,7 @@ std::size_t fewest_in_a_bar(const Case& run) {
 }
 
 Case on_mesh(Case run, const Mesh& mesh) {
-  run.elements = mesh.lengthy_elements();
+  run.elements = mesh.elements_of_bars();
   if (mesh.members) run.bar_meshes = *mesh.members;
   return run;
 }

@@ -61,7 +61,7 @@ TrialResult one(const std::string& label, const Solver& scheme, const Trial& tri
     judge(bounds, *difference, runs[i].label, result.findings);
   }
   if (trial.solution && result.scheme().recording &&
-      result.scheme().recording->mesh.lengthy_elements() == trial.run.elements)
+      result.scheme().recording->mesh.elements_of_bars() == trial.run.elements)
     result.error = exact::error(*result.scheme().recording, *trial.solution);
   return result;
 }
